@@ -1,7 +1,6 @@
 #include "server/gateway/playback.h"
 
 #include <algorithm>
-#include <charconv>
 #include <sstream>
 #include <utility>
 
@@ -15,9 +14,11 @@ namespace {
 
 constexpr const char *kPosition = "Position", *kKind = "recording";
 constexpr double kMostTicks = 1e15;
-constexpr std::string_view kPortsPath = "/recording/ports/";
+constexpr std::string_view kPortsPath = "/recording/ports/", kBesidePath = "/recording/beside/ports/";
 constexpr std::uint64_t kMostRows = 10'000;        // at once
 constexpr std::size_t kLongestReport = 64u << 10;  // bytes
+constexpr std::size_t kReport = 0;                 // the other blackboard is that of the bodies of B
+constexpr std::size_t kMostNumbers = 1u << 20;     // in that one
 
 // Shown in real time, whatever clock it was recorded with. Viewers may pause it and change its speed.
 void in_real_time(scene::Scene& scene) {
@@ -32,19 +33,13 @@ std::string free_name(const cycle::Simulation& world) {
   return name;
 }
 
-// The fewest digits that give the same bits when they are read.
-std::string exact_number(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
 std::string ports_as_json(const std::vector<recording::PortDifference>& ports) {
   std::string list;
   for (const auto& port : ports)
     list += (list.empty() ? "" : ",") + std::string("{\"part\":") + protocol::json_quoted(port.part) +
             ",\"port\":" + protocol::json_quoted(port.port) +
-            ",\"recorded\":" + protocol::json_quoted(exact_number(port.recorded)) +
-            ",\"replayed\":" + protocol::json_quoted(exact_number(port.replayed)) + "}";
+            ",\"recorded\":" + protocol::json_quoted(protocol::exact_number(port.recorded)) +
+            ",\"replayed\":" + protocol::json_quoted(protocol::exact_number(port.replayed)) + "}";
   return "[" + list + "]";
 }
 
@@ -71,6 +66,9 @@ class Playback::Steering : public IdlePart {
     description_.sensor_outputs = {{kPosition, "", 0.0, kMostTicks, 0.0, kPosition}};
     description_.parameters = parameters();
     description_.blackboards = {{"Report", "application/json", 1, 0, kLongestReport, false}};
+    if (playback_.beside_)
+      description_.blackboards.push_back(
+          {"Beside", "application/x-float64", sizeof(double), 0, kMostNumbers, false});
   }
   const protocol::PartDescription& description() const override { return description_; }
 
@@ -92,7 +90,9 @@ class Playback::Steering : public IdlePart {
     playback_.seek(static_cast<std::uint64_t>(*position));
     return {};
   }
-  std::span<const std::byte> read_blackboard(std::size_t) const override {
+  std::span<const std::byte> read_blackboard(std::size_t index) const override {
+    if (index != kReport)
+      return std::as_bytes(playback_.beside_->bodies(playback_.world(), playback_.player_.position()));
     report_ = playback_.report();
     return std::as_bytes(std::span(report_));
   }
@@ -103,8 +103,10 @@ class Playback::Steering : public IdlePart {
   mutable std::string report_;
 };
 
-Playback::Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins)
+Playback::Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins,
+                   const std::filesystem::path& beside)
     : file_(file),
+      beside_(beside.empty() ? nullptr : std::make_unique<Beside>(file, beside, plugins)),
       player_(file, plugins, in_real_time),
       comparison_(file, plugins),
       ports_(file, player_.points()),
@@ -113,7 +115,7 @@ Playback::Playback(const std::filesystem::path& file, const recording::PluginFol
       recorded_era_(player_.world().era()),
       shown_revision_(player_.world().revision()) {
   for (const auto& bound : std::as_const(player_.world()).parts())
-    parts_.push_back(bound.part->description().name);
+    parts_.push_back(bound.part->description());
   player_.world().add_onlooker(std::make_unique<Steering>(*this));
 }
 
@@ -122,16 +124,23 @@ void Playback::seek(std::uint64_t position) {
   player_.seek(position);
 }
 
+bool Playback::compare() {
+  return (beside_ && beside_->compare()) || comparison_.run(1);
+}
+
 std::optional<std::string> Playback::ports_at(const std::string& path) {
-  std::istringstream words(path);
+  const bool of_b = beside_ && path.starts_with(kBesidePath);
+  if (!of_b && !path.starts_with(kPortsPath)) return {};
+  std::istringstream words(path.substr((of_b ? kBesidePath : kPortsPath).size()));
   std::uint64_t part = 0, to = 0, count = 0;
   char between = 0;
-  if (!path.starts_with(kPortsPath)) return {};
-  words.ignore(static_cast<std::streamsize>(kPortsPath.size()));
   words >> part >> between >> to >> between >> count;
   if (!words || !words.eof() || part >= parts_.size()) return {};
-  const auto rows = ports_.read(parts_[part], std::min(to, player_.ticks()), std::min(count, kMostRows));
-  const auto bytes = std::as_bytes(std::span(rows));
+  to = std::min(to, player_.ticks());
+  count = std::min(count, kMostRows);
+  auto rows = ports_.read(parts_[part].name, to, count);
+  if (of_b) rows.values = beside_->ports(parts_[part], rows, to, count);
+  const auto bytes = std::as_bytes(std::span(rows.values));
   return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
@@ -153,6 +162,7 @@ std::string Playback::report() const {
             ",\"other_build\":" + protocol::json_quoted(other) +
             ",\"ports\":" + ports_as_json(found.difference.ports) + "}";
   }
+  if (beside_) json += ",\"beside\":" + beside_->report();
   return json + "}";
 }
 

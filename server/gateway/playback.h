@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/gateway/beside.h"
 #include "server/gateway/published.h"
 #include "server/recording/player.h"
 #include "server/recording/replayer.h"
@@ -17,11 +18,14 @@ namespace visum::gateway {
 // The recording's time runs, stands and jumps; nothing else in it can be changed. A part of kind "recording"
 // steers it. Its parameter Position, in ticks since the recording's beginning, jumps there. Its blackboard
 // Report tells, as JSON, how far the recorded bits were compared with this program's, and the first
-// difference. Lives on the tick's thread, apart from ports_at(); the program that starts the daemon owns it.
+// difference. With a second recording, Report also tells where the two differ, and the blackboard Beside
+// holds the second one's bodies (Beside::bodies()). Lives on the tick's thread, apart from ports_at(); the
+// program that starts the daemon owns it.
 class Playback {
  public:
-  // Throws what recording::Player throws.
-  Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins);
+  // `beside`: the second recording; empty: none. Throws what recording::Player and Beside throw.
+  Playback(const std::filesystem::path& file, const recording::PluginFolders& plugins,
+           const std::filesystem::path& beside = {});
 
   cycle::Simulation& world() { return player_.world(); }
   const std::string& name() const { return name_; }  // of the part that steers
@@ -29,13 +33,15 @@ class Playback {
 
   // Instead of the world's own tick; false: the recording ends here.
   bool tick() { return player_.advance(); }
-  // Compares one more tick with the recorded one, in a world of its own. False: all ticks have been compared.
-  bool compare() { return comparison_.run(1); }
+  // Compares one more tick with that of the second recording; then one more with the recorded one, in a world
+  // of its own. False: all ticks have been compared.
+  bool compare();
   // The era that clients are shown: each jump begins a new one.
   std::uint64_t era();
   // The sessions' thread: rows of PortReader's, as bytes of little-endian doubles, for the path
-  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it. Nothing
-  // where the path names no part or position.
+  // /recording/ports/PART/TO/COUNT: a part by its number, a position, and how many ticks up to it; for
+  // /recording/beside/ports/..., the second recording's (Beside::ports()). Nothing where the path names no
+  // part or position.
   std::optional<std::string> ports_at(const std::string& path);
   // The events of the recording as JSON, for the path /recording/events. Any thread.
   const std::string& events() const { return events_; }
@@ -50,10 +56,11 @@ class Playback {
   void show_ports(Published& published) const;
 
   const std::filesystem::path file_;
+  const std::unique_ptr<Beside> beside_;  // null: there is no second recording
   recording::Player player_;
   recording::Replayer comparison_;
   recording::PortReader ports_;
-  std::vector<std::string> parts_;  // by number
+  std::vector<protocol::PartDescription> parts_;  // by number
   const std::string events_;
   std::string name_;
   std::uint64_t jumps_ = 0;

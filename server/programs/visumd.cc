@@ -339,11 +339,11 @@ int convert(const programs::Command& command) {
   });
 }
 
-// Shows a recording on the page until a signal ends it.
-int view_recording(const std::string& file, const recording::PluginFolders& plugins,
-                   gateway::DaemonOptions options, bool json) {
+// Shows a recording on the page, with another one beside it if there is one, until a signal ends it.
+int view_recording(const std::string& file, const std::string& beside,
+                   const recording::PluginFolders& plugins, gateway::DaemonOptions options, bool json) {
   programs::set_verbosity(2);  // the page's address is news
-  gateway::Playback playback(file, plugins);
+  gateway::Playback playback(file, plugins, beside);
   options.playback = &playback;
   gateway::Daemon daemon(playback.world(), options);
   const int signal = programs::run_until_signal(daemon, playback.world(), options, json);
@@ -351,7 +351,7 @@ int view_recording(const std::string& file, const recording::PluginFolders& plug
 }
 
 int replay(const programs::Command& command) {
-  std::string file;
+  std::string file, beside;
   programs::PluginOptions plugins;
   programs::OutputOptions output{.verbosity = 1};
   gateway::DaemonOptions of_daemon;
@@ -366,11 +366,16 @@ int replay(const programs::Command& command) {
   auto* shown =
       app.add_flag("--view", view, "show it on the page, with a slider for its time, and compare meanwhile");
   auto* of_view = app.add_option_group("With --view");
+  of_view
+      ->add_option("--beside", beside,
+                   "a second recording: its bodies as ghosts, its ports as dashed lines, and where the two "
+                   "differ, as `visum compare` tells it")
+      ->type_name("FILE.mcap");
   programs::declare_doors(*of_view, of_daemon);
   programs::declare_http(*of_view, of_daemon, http);
   for (auto* option : of_view->get_options()) option->needs(shown);
   app.footer("Examples:\n  " + command.name + " run.mcap\n  " + command.name + " run.mcap --view\n  " +
-             command.name +
+             command.name + " run.mcap --view --beside other.mcap\n  " + command.name +
              " run.mcap --view --listen 0.0.0.0 --token-file tokens\n"
              "With --view, open the address that it prints. The last example also lets others look.\n"
              "Exit codes: 0 the same bits in every tick, 1 the same as far as the file can be read, 2 bad "
@@ -381,7 +386,7 @@ int replay(const programs::Command& command) {
     if (view) {
       of_daemon.stuck_node = [&watch] { return watch.stuck(); };
       of_daemon.http = http.settled(of_daemon);
-      return view_recording(file, plugin::plugin_folders(plugins.folders), of_daemon, output.json);
+      return view_recording(file, beside, plugin::plugin_folders(plugins.folders), of_daemon, output.json);
     }
     return programs::report_replay(file, plugin::plugin_folders(plugins.folders), output.json);
   });

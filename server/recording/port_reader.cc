@@ -13,13 +13,13 @@ PortReader::PortReader(const std::filesystem::path& file, std::vector<StatePoint
   }
 }
 
-std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, std::uint64_t count) {
+PortReader::Rows PortReader::read(const std::string& part, std::uint64_t to, std::uint64_t count) {
   const auto from = to - std::min(to, count);
   const auto after = std::ranges::upper_bound(points_, from, {}, &StatePoint::position);
   const bool at_beginning = after == points_.begin();
   auto position = at_beginning ? 0 : (after - 1)->position;
   file_.go_to(at_beginning ? beginning_ : (after - 1)->place);
-  std::vector<double> rows;
+  Rows rows;
   protocol::PartSample sample;
   std::uint64_t era = 0;
   while (position < to) {
@@ -29,10 +29,12 @@ std::vector<double> PortReader::read(const std::string& part, std::uint64_t to, 
     if (of_part && (*of_part)->part == part) sample = **of_part;
     if (!std::holds_alternative<const Tick*>(item) || ++position <= from) continue;
     if (std::exchange(sample.part, {}).empty()) continue;  // it was not there in this tick
-    if (std::exchange(era, sample.era) != sample.era) rows.clear();
-    rows.push_back(static_cast<double>(sample.sim_time_ns) / 1e9);
-    rows.insert(rows.end(), sample.controller_inputs.begin(), sample.controller_inputs.end());
-    rows.insert(rows.end(), sample.sensor_outputs.begin(), sample.sensor_outputs.end());
+    if (std::exchange(era, sample.era) != sample.era) rows = {};
+    rows.positions.push_back(position);
+    auto& values = rows.values;
+    values.push_back(static_cast<double>(sample.sim_time_ns) / 1e9);
+    values.insert(values.end(), sample.controller_inputs.begin(), sample.controller_inputs.end());
+    values.insert(values.end(), sample.sensor_outputs.begin(), sample.sensor_outputs.end());
   }
   return rows;
 }

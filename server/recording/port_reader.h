@@ -22,9 +22,13 @@ class PortReader {
   // `points`: the states of this file, sorted by position, as Player::points() has them.
   PortReader(const std::filesystem::path& file, std::vector<StatePoint> points);
 
-  // Returns the last `count` ticks up to position `to`, as far back as they are of one era. Each row is
-  // simulated seconds, controller inputs, sensor outputs.
-  std::vector<double> read(const std::string& part, std::uint64_t to, std::uint64_t count);
+  // A row for each tick in which the part was there.
+  struct Rows {
+    std::vector<std::uint64_t> positions;  // by row
+    std::vector<double> values;  // of all rows: simulated seconds, controller inputs, sensor outputs
+  };
+  // Returns the last `count` ticks up to position `to`, as far back as they are of one era.
+  Rows read(const std::string& part, std::uint64_t to, std::uint64_t count);
 
  private:
   RecordingFile file_;

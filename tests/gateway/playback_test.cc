@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <thread>
 
 #include "server/recording/recorder.h"
+#include "server/world/world_state.h"
 #include "tests/gateway/running_daemon.h"
 #include "tests/support/temp_files.h"
 
@@ -23,9 +26,13 @@ class PlaybackTest : public testing::Test {
     if (ticks == 1200) world.reset();
   }
 
-  explicit PlaybackTest(Acts acts = reset_late) {
-    record(acts);
-    playback_ = std::make_unique<Playback>(file(), recording::PluginFolders{});
+  // `of_b`: acts of a second recording, of so many ticks, that is shown beside the first; null: there is
+  // none.
+  explicit PlaybackTest(Acts acts = reset_late, Acts of_b = nullptr, int ticks_of_b = 0) {
+    record(file(), acts, kTicks, {hashes_, angles_, poses_});
+    if (of_b) record(second_file(), of_b, ticks_of_b, {hashes_of_b_, angles_of_b_, poses_of_b_});
+    playback_ = std::make_unique<Playback>(file(), recording::PluginFolders{},
+                                           of_b ? second_file() : std::filesystem::path{});
     DaemonOptions options;
     options.port = 0;
     options.playback = playback_.get();
@@ -39,7 +46,9 @@ class PlaybackTest : public testing::Test {
     thread_.join();
   }
 
+  static constexpr int kTicks = 1500;
   std::filesystem::path file() const { return files_.folder() / "run.mcap"; }
+  std::filesystem::path second_file() const { return files_.folder() / "other.mcap"; }
   protocol::Connection& client() { return *client_; }
   const Playback& playback() const { return *playback_; }
   void seek(std::int64_t position) {
@@ -59,30 +68,46 @@ class PlaybackTest : public testing::Test {
     return now;
   }
 
-  std::vector<std::uint64_t> hashes_;  // by position
-  std::vector<std::vector<double>> angles_;
+  // By position.
+  using Hashes = std::vector<std::uint64_t>;
+  using Numbers = std::vector<std::vector<double>>;
+  Hashes hashes_, hashes_of_b_;
+  Numbers angles_, angles_of_b_;
+  Numbers poses_, poses_of_b_;  // 7 numbers for each body
+  std::unique_ptr<Playback> playback_;
 
  private:
-  void record(Acts acts) {
+  struct Notes {
+    Hashes& hashes;
+    Numbers& angles;
+    Numbers& poses;
+  };
+
+  void record(const std::filesystem::path& to, Acts acts, int ticks, Notes notes) {
     config::FilesNoted noted;
     auto scene = scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes/two_link.yaml");
     cycle::Simulation world(std::move(scene));
-    recording::Recorder recorder(world, {std::move(noted.files), ""}, file());
-    note(world);
+    recording::Recorder recorder(world, {std::move(noted.files), ""}, to);
+    note(world, notes);
     world.write_inputs(0, 0, std::vector{0.7, -0.3});
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < ticks; ++i) {
       acts(world, i);
       world.tick();
-      note(world);
+      note(world, notes);
     }
   }
-  void note(const cycle::Simulation& world) {
-    hashes_.push_back(world.state_hash());
-    angles_.push_back(world.parts()[0].sensor_outputs);
+  static void note(const cycle::Simulation& world, Notes notes) {
+    notes.hashes.push_back(world.state_hash());
+    notes.angles.push_back(world.parts()[0].sensor_outputs);
+    auto& poses = notes.poses.emplace_back();
+    for (std::size_t i = 0; i < world.model().bodies.size(); ++i) {
+      const auto X_WB = world::link_pose(world.model().bodies[i], world.state().bodies[i]);
+      poses.insert(poses.end(),
+                   {X_WB.p.x(), X_WB.p.y(), X_WB.p.z(), X_WB.q.w(), X_WB.q.x(), X_WB.q.y(), X_WB.q.z()});
+    }
   }
 
   test::TempFiles files_;
-  std::unique_ptr<Playback> playback_;
   std::unique_ptr<Daemon> daemon_;
   std::thread thread_;
   std::optional<protocol::Connection> client_;
@@ -177,6 +202,83 @@ TEST_F(PlaybackTest, ComparesAllOfItWhileItStands) {
   while (found.find("\"compared\":1500") == std::string::npos) found = report();
   EXPECT_NE(found.find("\"equal\":true"), std::string::npos) << found;
   EXPECT_NE(found.find("\"ticks\":1500"), std::string::npos) << found;
+}
+
+// A second recording beside the first: it is pushed to another angle at tick 800, and ends at tick 1000.
+class PlaybackOfTwo : public PlaybackTest {
+ protected:
+  static constexpr int kParts = 800, kEndOfB = 1000;
+  static void push_aside(cycle::Simulation& world, int ticks) {
+    if (ticks == kParts) world.write_inputs(0, 0, std::vector{-0.4, -0.3});
+  }
+  PlaybackOfTwo() : PlaybackTest([](cycle::Simulation&, int) {}, push_aside, kEndOfB) {}
+
+  std::vector<double> bodies_of_b() {
+    const auto board =
+        client().request_as<protocol::BlackboardData>(protocol::ReadBlackboard{"recording", "Beside", 0, 0});
+    std::vector<double> numbers(board.data.size() / sizeof(double));
+    std::memcpy(numbers.data(), board.data.data(), board.data.size());
+    return numbers;
+  }
+  static constexpr std::size_t kHead = 2, kNumbers = 9;
+};
+
+TEST_F(PlaybackOfTwo, TellsWhereTheyPartAsVisumCompareDoes) {
+  auto found = report();
+  while (found.find("\"over\":true") == std::string::npos) found = report();
+  EXPECT_NE(found.find("\"first\":{\"position\":801,\"tick\":801}"), std::string::npos) << found;
+  EXPECT_NE(found.find("\"beside\":{\"file\":\"other.mcap\",\"ticks\":1000,\"compared\":1500"),
+            std::string::npos)
+      << found;
+  EXPECT_NE(found.find("{\"part\":\"robot\",\"port\":\"Desired Angle 1\",\"position\":801,\"tick\":801,"
+                       "\"a\":\"0.7\",\"b\":\"-0.4\","),
+            std::string::npos)
+      << found;
+}
+
+TEST_F(PlaybackOfTwo, ShowsTheBodiesOfTheSecondAtTheSameTick) {
+  const auto bodies = poses_[0].size() / 7;
+  for (const std::int64_t position : {900, 100, 800, 1400, 950}) {
+    SCOPED_TRACE(position);
+    seek(position);
+    const auto numbers = bodies_of_b();
+    ASSERT_EQ(numbers.size(), kHead + kNumbers * bodies);
+    EXPECT_EQ(numbers[0], static_cast<double>(position));
+    EXPECT_EQ(numbers[1], static_cast<double>(position) / 1000.0);
+    const auto& b = poses_of_b_[static_cast<std::size_t>(std::min<std::int64_t>(position, kEndOfB))];
+    const auto& a = poses_[static_cast<std::size_t>(position)];
+    for (std::size_t body = 0; body < bodies; ++body) {
+      SCOPED_TRACE(body);
+      const auto* shown = &numbers[kHead + kNumbers * body];
+      EXPECT_TRUE(std::equal(shown, shown + 7, &b[7 * body]));
+      const double metres = std::hypot(a[7 * body] - b[7 * body], a[7 * body + 1] - b[7 * body + 1],
+                                       a[7 * body + 2] - b[7 * body + 2]);
+      EXPECT_NEAR(shown[7], metres, 1e-12);
+      const bool same = std::equal(&a[7 * body], &a[7 * body + 7], &b[7 * body]);
+      EXPECT_EQ(same, shown[7] == 0.0 && shown[8] == 0.0);
+    }
+  }
+}
+
+TEST_F(PlaybackOfTwo, GivesThePortsOfTheSecondAtTheTimesOfTheFirst) {
+  const auto text = playback_->ports_at("/recording/beside/ports/0/1100/400").value();
+  std::vector<double> rows(text.size() / sizeof(double));
+  std::memcpy(rows.data(), text.data(), text.size());
+  const auto outputs = angles_of_b_[0].size();
+  const auto width = 1 + 2 + outputs;
+  ASSERT_EQ(rows.size(), 300 * width) << "of 701 to 1100, B has 701 to 1000";
+  for (const std::size_t row : {0u, 150u, 299u}) {
+    EXPECT_EQ(rows[row * width], static_cast<double>(701 + row) / 1000.0);
+    EXPECT_TRUE(
+        std::equal(angles_of_b_[701 + row].begin(), angles_of_b_[701 + row].end(), &rows[row * width + 3]));
+  }
+  EXPECT_EQ(playback_->ports_at("/recording/beside/ports/0/1500/100").value(), "") << "B has ended";
+  EXPECT_FALSE(playback_->ports_at("/recording/beside/ports/7/1100/400"));
+}
+
+TEST_F(PlaybackTest, HasNothingBesideItUnlessAsked) {
+  EXPECT_FALSE(playback_->ports_at("/recording/beside/ports/0/1100/400"));
+  EXPECT_EQ(report().find("beside"), std::string::npos);
 }
 
 TEST_F(PlaybackTest, NothingInItCanBeChanged) {

@@ -10,5 +10,6 @@ import "./sensors.test.mjs";
 import "./mirror.test.mjs";
 import "./stereo.test.mjs";
 import "./recording.test.mjs";
+import "./compare.test.mjs";
 import "./browse.test.mjs";
 import "./https.test.mjs";

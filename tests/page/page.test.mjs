@@ -1,10 +1,10 @@
 // The user's basics: commands, leases, roles, time, tokens, access, losing the daemon and finding it again.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { browser, browserTest, button, closePages, control, pageTest, until } from "./harness.mjs";
-import { Daemon, live, openPage, require, source } from "./programs.mjs";
+import { axeFindings, browser, browserTest, button, closePages, control, pageTest, until } from "./harness.mjs";
+import { Daemon, live, openPage, source } from "./programs.mjs";
 
 pageTest("a slider of the panel jogs a joint, and the world follows", async (page) => {
   await page.getByRole("button", { name: "Take control of arm" }).click();
@@ -105,11 +105,7 @@ for (const colorScheme of ["light", "dark"])
     await assertAccessible(page);
   }, { colorScheme });
 
-async function assertAccessible(page) {
-  await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
-  const { violations } = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
-  assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).join(" ")}`), []);
-}
+const assertAccessible = async (page) => assert.deepEqual(await axeFindings(page), []);
 
 for (const [width, height] of [[1280, 720], [768, 1024], [1024, 768], [390, 844], [640, 360]])
   pageTest(`fits a screen of ${width} by ${height}`, async (page) => {

@@ -5,7 +5,7 @@ import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { button, control, flat, pageTest, until } from "./harness.mjs";
-import { bin, Daemon, live } from "./programs.mjs";
+import { bin, Daemon, live, source } from "./programs.mjs";
 
 const visum = (daemon, ...words) => execFileSync(join(bin, "visum"), [...words, "--connect", `127.0.0.1:${daemon.port}`]);
 const lines = (page) => page.getByRole("listbox", { name: "What happened" });
@@ -98,6 +98,37 @@ pageTest("the menu World: bookmarks with undo, a recording, faults, bodies", asy
     await menu.getByRole("combobox", { name: "Body to remove" }).selectOption("box_2");
     await press("Remove");
     await until(page, () => !visum.bodies().includes("box_2"));
+  });
+  await claim("a model of the server's comes with its part, is commanded, and goes", async () => {
+    await open();
+    await menu.getByRole("combobox", { name: "Model to add" }).selectOption("cart/cart.yaml");
+    await menu.getByLabel("Name of the model; empty: its file's").fill("second");
+    await menu.getByLabel(/^Place of the model/).fill("0, 2, 0, 90");
+    await press("Add the model");
+    await page.locator(".toast").getByText("'second' is here, with the part").waitFor();
+    await until(page, () => visum.bodies().some((name) => name.startsWith("second/")));
+    await page.getByRole("region", { name: "Part second", exact: true }).waitFor();
+    await until(page, () => visum.ports().some(({ part, value }) => part === "second" && Number.isFinite(value)));
+    await page.evaluate(() => visum.acquire("second"));
+    const lists = () => JSON.parse(execFileSync(join(bin, "visum"), ["spawn", "--list", "--json", "--connect", `127.0.0.1:${daemon.port}`])).spawned;
+    assert.deepEqual(lists(), ["second"]);
+    await press("Remove the model second");
+    await page.getByRole("region", { name: "Part second", exact: true }).waitFor({ state: "detached" });
+    assert.deepEqual(lists(), []);
+    assert.equal(await page.getByRole("region", { name: "Part arm", exact: true }).count(), 1, "the other parts stay");
+  });
+  await claim("a model of this machine is sent with its meshes; one that cannot be read says why", async () => {
+    await open();
+    const picked = page.waitForEvent("filechooser");
+    await press("Your folder…");
+    await (await picked).setFiles(join(source, "models/amtec_arm"));
+    await menu.getByRole("combobox", { name: "Model to add" }).selectOption("own/amtec_arm/amtec_arm.urdf");
+    await menu.getByLabel("Name of the model; empty: its file's").fill("mine");
+    await press("Add the model");
+    await until(page, () => visum.bodies().includes("mine/link_7"));
+    await menu.getByLabel(/^Place of the model/).fill("somewhere");
+    await press("Add the model");
+    await page.locator(".toast.error").getByText("The place must be x, y, z in m").waitFor();
   });
 }, { serve: () => Keeping.start(), ...flat });
 

@@ -258,9 +258,12 @@ TEST(PortReader, ReadsTicksThatLieBehindAStateFirst) {
   const auto rows = ports.read("robot", 1500, 300);
   const auto& part = player.world().parts()[0];
   const auto width = 1 + part.controller_inputs.size() + part.sensor_outputs.size();
-  ASSERT_EQ(rows.size(), 300 * width);
+  ASSERT_EQ(rows.values.size(), 300 * width);
+  EXPECT_EQ(rows.positions.front(), 1201u);
+  EXPECT_EQ(rows.positions.back(), 1500u);
   const auto& last = life.moments[1500].outputs;
-  EXPECT_TRUE(std::equal(last.begin(), last.end(), rows.end() - static_cast<std::ptrdiff_t>(last.size())));
+  EXPECT_TRUE(
+      std::equal(last.begin(), last.end(), rows.values.end() - static_cast<std::ptrdiff_t>(last.size())));
 }
 
 }  // namespace

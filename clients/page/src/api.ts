@@ -1,6 +1,7 @@
 // window.visum: the page's interface for tests and for users' own scripts.
 import { Vector3 } from "three";
 import type { Parts } from "./model/parts";
+import type { Recording } from "./model/recording";
 import type { World } from "./model/world";
 import type { SceneView } from "./view3d/scene_view";
 
@@ -24,14 +25,18 @@ export interface VisumApi {
   // The place of a body's point in the page, in pixels. The point is in the body's frame (m); without it, the
   // body's origin. Null: behind the camera.
   project(body: string, point?: [number, number, number]): { x: number; y: number } | null;
-  // The same for the ghost, the other arm of a mirrored pair. Null also if the body has no ghost.
+  // The same for the body's ghost: in the other arm of a mirrored pair, or in a second recording. Null also
+  // if the body has no ghost.
   projectGhost(body: string, point?: [number, number, number]): { x: number; y: number } | null;
   // The camera's position and target (m, world frame), and its vertical angle of view (degrees).
   camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
+  // Of a second recording beside the one that is shown: the position for which its bodies are known, in ticks
+  // since the beginning; -1: none.
+  besidePosition(): number;
 }
 
-export function makeApi(parts: Parts, world: World, view: SceneView | null): VisumApi {
+export function makeApi(parts: Parts, world: World, recording: Recording, view: SceneView | null): VisumApi {
   const port = (part: string, name: string) => {
     const found = parts.port(part, name);
     if (!found) throw new Error(`part '${part}' has no port '${name}'`);
@@ -63,8 +68,8 @@ export function makeApi(parts: Parts, world: World, view: SceneView | null): Vis
       return viewer.toPixels(group.localToWorld(new Vector3(...point)));
     },
     projectGhost: (body, point = [0, 0, 0]) => {
-      const { viewer, ghost } = shown();
-      const matrix = ghost.matrixOf(world.bodyIndex(body));
+      const { viewer, ghost, beside } = shown();
+      const matrix = ghost.matrixOf(world.bodyIndex(body)) ?? beside.matrixOf(world.bodyIndex(body));
       return matrix && viewer.toPixels(new Vector3(...point).applyMatrix4(matrix));
     },
     camera: () => {
@@ -72,6 +77,7 @@ export function makeApi(parts: Parts, world: World, view: SceneView | null): Vis
       return { position: camera.position.toArray(), target: controls.target.toArray(), fov: camera.fov };
     },
     simTime: () => Number(world.sample?.simTimeNs ?? 0n) / 1e9,
+    besidePosition: () => recording.bodies.position,
   };
 }
 

@@ -29,6 +29,7 @@ import { LogPane } from "./log/pane";
 import { Clock } from "./model/clock";
 import { Events } from "./model/events";
 import { takeUpLeases, watchLeaving } from "./model/leaving";
+import type { Port } from "./model/part";
 import { Parts } from "./model/parts";
 import { Recording } from "./model/recording";
 import { World } from "./model/world";
@@ -58,7 +59,7 @@ const events = new Events(link);
 
 const layout = new Layout();
 document.getElementById("app")!.replaceWith(layout.root);
-const view = makeSceneView(layout.view, link, world, parts, clock);
+const view = makeSceneView(layout.view, link, world, parts, clock, recording);
 const reset = (scope?: ResetScope) => void resetWorld(link, clock, parts, scope).catch(reportError);
 const time = new TimeControls(link, clock, recording, () => reset());
 const plots = new PlotPane(layout.panes.plots, parts);
@@ -72,22 +73,24 @@ const modules = new ModulesView(link);
 const tool = new ToolPane(link, world, parts, new Mover());
 layout.panes.panel.append(tabs("Panel or tool", [{ name: "Panel", content: panelPlace }, { name: "Tool", content: tool.element }, { name: "Modules", content: modules.element }]), panelPlace, tool.element, modules.element);
 if (view) new Gizmo(view.viewer, world, tool);
-const tree = new Tree(link, parts, {
-  plot(ports) {
-    layout.reveal("plots");
-    plots.plot(ports);
-  },
-}, profileView(link, clock));
+const plot = (ports: Port[]) => {
+  layout.reveal("plots");
+  plots.plot(ports);
+};
+const tree = new Tree(link, parts, { plot }, profileView(link, clock));
 const scene = h("span", { class: "scene" });
 const strip = new PartStrip(link, parts);
 const stop = new StopButton(link, clock, strip);
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, connectionBadge(link, parts, clock), stop.element,
-  h("div", { class: "second" }, strip.element, layout.toggles, new WorldMenu(link, world, parts, events, reset).element), timeline(recording));
+  h("div", { class: "second" }, strip.element, layout.toggles, new WorldMenu(link, world, parts, events, reset).element), timeline(recording, (different) => {
+    const port = parts.port(different.part, different.port);
+    if (port) plot([port]);
+  }));
 layout.panes.parts.append(tree.element);
 const hint = firstSteps();
 if (hint) layout.view.append(hint);
 layout.view.append(lostBanner(link), frozenBanner(link, clock, () => reset()), new CameraTiles(parts).element);
-window.visum = makeApi(parts, world, view);
+window.visum = makeApi(parts, world, recording, view);
 
 // The page is live when it is connected, has drawn data of this connection, and knows whether time runs.
 let fresh = false;

@@ -26,6 +26,9 @@ class CompareVerb : public Verb {
     app.add_option("B", b_, "another one of the same kind")->required();
     app.add_flag("--json", json_, "print the result as a line of JSON");
     app.add_option("--report", report_, "write the result as an HTML page")->type_name("FILE.html");
+    app.add_flag("--view", view_, "show two recordings on the page, one beside the other")
+        ->excludes("--json")
+        ->excludes("--report");
     app.footer(
         "Two recordings are compared tick by tick: the first tick that differs, and how far each port is "
         "apart. "
@@ -35,6 +38,7 @@ class CompareVerb : public Verb {
         "  visum run lift.yaml --record a.mcap\n"
         "  visum run lift.yaml --engine ode --record b.mcap\n"
         "  visum compare a.mcap b.mcap --report compare.html\n"
+        "  visum compare a.mcap b.mcap --view\n"
         "  visum compare results_old results_new");
   }
 
@@ -49,6 +53,8 @@ class CompareVerb : public Verb {
     if (folder_a != folder_b)
       throw ExitError(kUsage,
                       "A is " + kind_of(folder_a) + ", B " + kind_of(folder_b) + ": name two of one kind");
+    if (view_ && folder_a) throw ExitError(kUsage, "--view shows recordings, and these are folders");
+    if (view_) become_server({"visumd", "replay", a_, "--view", "--beside", b_});
     return folder_a ? tell(compared([&] { return compare::compare_campaigns(a_, b_); }))
                     : tell(compared([&] { return compare::compare_recordings(a_, b_); }));
   }
@@ -69,7 +75,7 @@ class CompareVerb : public Verb {
   }
 
   std::string a_, b_, report_;
-  bool json_ = false;
+  bool json_ = false, view_ = false;
 };
 
 }  // namespace

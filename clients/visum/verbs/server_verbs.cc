@@ -12,8 +12,7 @@
 namespace visum::cli {
 namespace {
 
-// A verb that a server program does. The process becomes that program and hands on all words that follow the
-// verb. argv[0] stays "visum", which tells the program to speak of `visum VERB` in its help.
+// A verb that a server program does. It hands on all words that follow the verb.
 class ServerVerb : public Verb {
  public:
   // `words`: the program, then the words to put before the user's own.
@@ -26,16 +25,9 @@ class ServerVerb : public Verb {
   }
 
   int run() override {
-    const std::string program = run::find_server(words_.front());
     auto words = words_;
-    words.front() = "visum";
     for (const auto& word : app_->remaining()) words.push_back(word);
-    std::vector<char*> argv;
-    for (auto& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    std::signal(SIGPIPE, SIG_DFL);
-    ::execvp(program.c_str(), argv.data());
-    throw ExitError(kFailed, "cannot run '" + program + "': " + std::strerror(errno));
+    become_server(std::move(words));
   }
 
  private:
@@ -44,6 +36,17 @@ class ServerVerb : public Verb {
 };
 
 }  // namespace
+
+void become_server(std::vector<std::string> words) {
+  const std::string program = run::find_server(words.front());
+  words.front() = "visum";
+  std::vector<char*> argv;
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::signal(SIGPIPE, SIG_DFL);
+  ::execvp(program.c_str(), argv.data());
+  throw ExitError(kFailed, "cannot run '" + program + "': " + std::strerror(errno));
+}
 
 std::unique_ptr<Verb> make_mirror() {
   return std::make_unique<ServerVerb>(std::vector<std::string>{"visum-mirror"});

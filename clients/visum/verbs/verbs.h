@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "clients/visum/verbs/verb.h"
 
@@ -51,5 +53,9 @@ std::unique_ptr<Verb> make_replay();
 std::unique_ptr<Verb> make_rewind();
 std::unique_ptr<Verb> make_export();
 std::unique_ptr<Verb> make_completion();
+
+// This process becomes a server program: `words` are its name and its arguments. argv[0] stays "visum", which
+// tells the program to speak of `visum VERB` in its help. Returns only by throwing ExitError.
+[[noreturn]] void become_server(std::vector<std::string> words);
 
 }  // namespace visum::cli

@@ -10,6 +10,7 @@ import {
   type ServerMessage,
 } from "../.generated/visum_pb";
 import { frame } from "./frames";
+import { readSample } from "./samples";
 
 export * from "../.generated/visum_pb";
 
@@ -38,5 +39,5 @@ export function encode(id: number, request: RequestInit): Uint8Array<ArrayBuffer
 }
 
 export function decode(payload: Uint8Array): ServerMessage {
-  return fromBinary(ServerMessageSchema, payload);
+  return readSample(payload) ?? fromBinary(ServerMessageSchema, payload);
 }

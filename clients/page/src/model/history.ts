@@ -2,7 +2,7 @@
 // each block are kept as well, so that a plot of any length is drawn from about as many numbers as it has
 // pixels. Lost samples leave a gap, which a window shows as nulls. Pure.
 
-export const kBlock = 64;
+export const kBlock = 8; // a plot of 10 s in some hundred pixels reads a few blocks for each pixel
 
 class Channel {
   readonly values: Float32Array;
@@ -155,7 +155,7 @@ export class History {
 
   private pushGroup(series: Series, from: number, to: number, channels: readonly number[]): void {
     series.times.push(this.times[from % this.capacity]!, this.times[(to - 1) % this.capacity]!);
-    channels.forEach((channel, i) => series.values[i]!.push(...this.range(channel, from, to)));
+    channels.forEach((channel, i) => this.pushRange(series.values[i]!, channel, from, to));
   }
 
   // Adds a null in the middle between sample n and the one before.
@@ -178,21 +178,23 @@ export class History {
     return found;
   }
 
-  private range(channel: number, from: number, to: number): [number | null, number | null] {
-    const { values, low, high } = this.channels[channel]!;
+  // Adds the least and the greatest value; nulls where the port was not recorded.
+  private pushRange(values: (number | null)[], channel: number, from: number, to: number): void {
+    const { values: all, low, high } = this.channels[channel]!;
     let least = Infinity;
     let greatest = -Infinity;
     for (let n = from; n < to; ) {
       const slot = n % this.capacity;
       const whole = slot % kBlock === 0 && n + kBlock <= to;
       const block = slot / kBlock;
-      const a = whole ? low[block]! : values[slot]!;
-      const b = whole ? high[block]! : values[slot]!;
+      const a = whole ? low[block]! : all[slot]!;
+      const b = whole ? high[block]! : all[slot]!;
       if (a < least) least = a; // false for NaN, which means that the port was not recorded then
       if (b > greatest) greatest = b;
       n += whole ? kBlock : 1;
     }
-    return least <= greatest ? [least, greatest] : [null, null];
+    const known = least <= greatest;
+    values.push(known ? least : null, known ? greatest : null);
   }
 }
 

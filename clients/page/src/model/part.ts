@@ -15,6 +15,7 @@ export interface Port {
 }
 
 const kHistorySamples = 300_000; // five minutes at a tick of 1 ms
+const kBesideSamples = 20_000; // what is asked for at once, and some
 const kRecordedMost = 48; // ports of one part
 const kIdlePeriodMs = 33;
 const kNsPerS = 1e9;
@@ -38,6 +39,7 @@ export class Part {
   private readonly soft: Map<string, Limits>;
   private keeping = false; // a write of held values is under way
   private history: History | null = null;
+  private beside: History | null = null; // the same ports in a second recording, with the same channels
   private readonly written = new Map<number, Written>(); // by input
   private recorded: Port[] = []; // by channel
   private uses: number[] = []; // by channel: the number of plots that want it
@@ -174,7 +176,7 @@ export class Part {
       for (const port of ports) this.uses[this.channel(port)]! -= 1;
       this.periods.delete(key);
       if (this.periods.size > 0) return;
-      this.history = null;
+      this.history = this.beside = null;
       this.recorded = [];
       this.uses = [];
     };
@@ -186,11 +188,22 @@ export class Part {
 
   // Fills the history from a recording: rows of time (s), controller inputs, sensor outputs.
   refill(rows: Float64Array): void {
+    this.history?.clear();
+    this.fill(this.history, rows);
+  }
+  // The same for the second recording. Unless `anew`, the rows come after those that are there.
+  refillBeside(rows: Float64Array, anew: boolean): void {
+    if (!this.history) return;
+    this.beside ??= new History(this.history.width, kBesideSamples);
+    if (anew) this.beside.clear();
+    this.fill(this.beside, rows);
+  }
+
+  private fill(history: History | null, rows: Float64Array): void {
     const width = 1 + this.ports.length;
     const inputs = this.description.controllerInputs.length;
-    this.history?.clear();
     for (let at = 0; at + width <= rows.length; at += width)
-      this.history?.add(rows[at]!, (channel) => {
+      history?.add(rows[at]!, (channel) => {
         const port = this.recorded[channel]!;
         return rows[at + 1 + (port.side === "input" ? 0 : inputs) + port.index]!;
       });
@@ -203,6 +216,10 @@ export class Part {
   recordings(): History | null {
     return this.history;
   }
+  // The same ports in the second recording; null: nothing is known of them.
+  besides(): History | null {
+    return this.beside;
+  }
 
   // Returns the port's own channel, or a new one. If there are enough channels, it takes one that no plot
   // wants any more.
@@ -211,6 +228,7 @@ export class Part {
     if (own >= 0) return own;
     const free = this.recorded.length < kRecordedMost ? this.recorded.length : this.uses.indexOf(0);
     this.recorded[free] = port;
+    this.beside = null; // it is filled anew
     this.uses[free] = 0;
     if (this.history && free < this.history.width) this.history.forget(free);
     else this.history = this.history?.widened(free + 1) ?? new History(free + 1, kHistorySamples);

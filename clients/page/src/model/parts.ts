@@ -13,8 +13,10 @@ const kRecording = "recording";
 export class Parts {
   readonly list = new Signal<Part[]>([]);
   readonly plotsChanged = new Emitter<void>(); // more or other ports are plotted: see plotted()
+  readonly beside = new Signal<string>(""); // the name of a second recording; empty: there is none
   steering: string | null = null; // the part that steers a recording; it is not in the list
   private realTimeFactor = 1;
+  private reading: Promise<void> = Promise.resolve();
 
   constructor(private readonly link: Link) {
     link.told.on((body) => {
@@ -32,10 +34,24 @@ export class Parts {
 
   // Call it after each hello. Reads everything anew. A part that is the same as before stays the same object,
   // because plots and panels point at it.
-  async begin(): Promise<void> {
+  begin(): Promise<void> {
+    for (const part of this.list.value) {
+      part.leaseLost(); // leases end with the session that held them
+      part.forgetSubscription();
+    }
+    return this.read();
+  }
+
+  // One reading after the other: parts may come and go while they are read.
+  private read(): Promise<void> {
+    const next = this.reading.then(() => this.readNow());
+    this.reading = next.catch(() => undefined);
+    return next;
+  }
+
+  private async readNow(): Promise<void> {
     const { parts } = await this.link.request({ case: "listParts", value: {} }, "parts");
     const list: Part[] = [];
-    for (const part of this.list.value) part.leaseLost(); // leases end with the session that held them
     this.steering = parts.find(({ kind }) => kind === kRecording)?.name ?? null;
     for (const { name, kind } of parts) {
       if (kind === kRecording) continue;
@@ -44,10 +60,10 @@ export class Parts {
       const same = before && equals(PartDescriptionSchema, lasting(before.description), lasting(description));
       const part = same ? before : new Part(this.link, description);
       part.holder.value = description.leaseOwner;
-      part.forgetSubscription();
       list.push(part);
     }
-    this.list.value = list;
+    const is = this.list.value;
+    if (list.length !== is.length || list.some((part, i) => part !== is[i])) this.list.value = list;
     await this.subscribe();
   }
 
@@ -90,6 +106,8 @@ export class Parts {
   }
 
   private onEvent(event: Event): void {
+    // Models come and go with their parts. One that goes while it is read is not there the next time.
+    if (event.kind === "world_changed") void this.read().catch(() => undefined);
     if (event.kind !== "lease_lost") return;
     const part = this.find(event.part);
     if (part && !part.leased.value) part.holder.value = "";

@@ -1,7 +1,9 @@
 // A recording that visumd shows in place of a live world: its length, the position in it, and the result of
-// comparing it with the bits that this program computes. The page steers it through a part of its own
-// (server/gateway/playback.h).
+// comparing it with the bits that this program computes; and a second recording beside it, if there is one.
+// The page steers it through a part of its own (server/gateway/playback.h).
 import type { Link } from "../link/link";
+import { BesideBodies, type BesideReport } from "./beside";
+import type { Part } from "./part";
 import type { Parts } from "./parts";
 import { poll } from "./poll";
 import { Signal } from "../common/signal";
@@ -21,23 +23,30 @@ export interface Report {
   equal: boolean;
   damage: string;
   difference?: { position: number; tick: number; era: number; what: string; other_build: string; ports: PortDifference[] };
+  beside?: BesideReport; // the second recording
 }
 
 const kPeriodMs = 500;
 const kFrameNs = 33e6;
 const kPlottedTicks = 10_000; // the server gives no more at once
+const kAheadTicks = 5000; // of the second recording, while the first one plays
 
 export class Recording {
   readonly report = new Signal<Report | null>(null); // null: the world is live
   readonly position = new Signal<number>(0);
+  readonly bodies = new BesideBodies();
   playing = false; // by the server's last status
   private part = "";
   private wanted: number | null = null; // the target of the latest jump that is not made yet
   private jumping: Promise<void> | null = null;
+  private looking = false; // for B's bodies
+  private lookAgain = false;
+  private jumps = 0;
+  private filled = new Map<Part, number>(); // up to which position a part has B's values
 
   constructor(private readonly link: Link, private readonly parts: Parts) {
     link.told.on((body) => {
-      if (body.case === "partSample" && body.value.part === this.part) this.show(body.value.sensorOutputs[0]!);
+      if (body.case === "partSample" && body.value.part === this.part) this.moved(body.value.sensorOutputs[0]!);
     });
     parts.plotsChanged.on(() => void this.refill());
     poll(() => this.refresh(), kPeriodMs);
@@ -67,9 +76,53 @@ export class Recording {
     const to = this.position.value;
     for (const [number, part] of this.parts.list.value.entries()) {
       if (!part.isPlotted) continue;
-      const answer = await fetch(`/recording/ports/${number}/${to}/${kPlottedTicks}`, { headers: this.link.headers }).catch(() => null);
-      if (answer?.ok && this.position.value === to) part.refill(new Float64Array(await answer.arrayBuffer()));
+      const rows = await this.rows(`ports/${number}/${to}/${kPlottedTicks}`);
+      if (rows && this.position.value === to) part.refill(rows);
+      if (this.hasBeside) await this.fillBeside(number, part, to, kPlottedTicks, true, () => this.position.value === to && !this.playing);
     }
+  }
+
+  private get hasBeside(): boolean {
+    return this.report.value?.beside !== undefined;
+  }
+
+  private async rows(path: string): Promise<Float64Array | null> {
+    const answer = await fetch(`/recording/${path}`, { headers: this.link.headers }).catch(() => null);
+    return answer?.ok ? new Float64Array(await answer.arrayBuffer()) : null;
+  }
+
+  // Fetches B's values of the last `count` ticks up to `to`. `anew`: in place of those that the part has.
+  private async fillBeside(number: number, part: Part, to: number, count: number, anew: boolean, stillWanted: () => boolean): Promise<void> {
+    const rows = await this.rows(`beside/ports/${number}/${to}/${count}`);
+    if (!rows || !stillWanted()) return;
+    part.refillBeside(rows, anew);
+    this.filled.set(part, to);
+  }
+
+  // While A plays, its values come tick by tick. Those of B are fetched ahead of it.
+  private async fillAhead(): Promise<void> {
+    const [position, jumps, ticks] = [this.position.value, this.jumps, this.report.value!.ticks];
+    for (const [number, part] of this.parts.list.value.entries()) {
+      if (!part.isPlotted) continue;
+      const filled = part.besides() ? (this.filled.get(part) ?? -1) : -1;
+      if (filled >= Math.min(ticks, position + kAheadTicks / 2)) continue;
+      const to = Math.min(ticks, position + kAheadTicks);
+      const anew = filled < position; // nothing, or not enough to go on from
+      await this.fillBeside(number, part, to, anew ? kPlottedTicks : to - filled, anew, () => this.jumps === jumps && this.playing);
+    }
+  }
+
+  // One question at a time; a further one where the world moved on meanwhile.
+  private async look(): Promise<void> {
+    if (!this.hasBeside) return;
+    this.lookAgain = this.looking;
+    if (this.looking) return;
+    this.looking = true;
+    const board = await this.link.request({ case: "readBlackboard", value: { part: this.part, name: "Beside" } }, "blackboard").catch(() => null);
+    this.looking = false;
+    if (!board) return;
+    this.bodies.take(board.data);
+    if (this.lookAgain) await this.look();
   }
 
   get atEnd(): boolean {
@@ -80,11 +133,18 @@ export class Recording {
     while (this.wanted !== null) {
       const position = this.wanted;
       this.wanted = null;
+      this.jumps += 1;
+      this.filled.clear();
       const value = { case: "integer", value: BigInt(position) } as const;
       await this.link.request({ case: "setParameter", value: { part: this.part, name: "Position", value: { value } } }, "ok");
-      this.show(position);
+      this.moved(position);
       void this.refill();
     }
+  }
+
+  private moved(position: number): void {
+    this.show(position);
+    void this.look();
   }
 
   private show(position: number): void {
@@ -97,6 +157,10 @@ export class Recording {
     if (!board) return;
     const report = JSON.parse(new TextDecoder().decode(board.data)) as Report;
     this.report.value = report;
+    this.parts.beside.value = report.beside?.file ?? "";
     if (!this.jumping) this.position.value = report.position;
+    if (!this.hasBeside) return;
+    if (this.playing) await this.fillAhead();
+    if (this.bodies.position !== this.position.value) await this.look();
   }
 }

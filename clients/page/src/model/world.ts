@@ -13,6 +13,7 @@ export class World {
   readonly description = new Signal<WorldDescription | null>(null);
   readonly sampled = new Emitter<WorldSample>();
   sample: WorldSample | null = null;
+  shownMs = -Infinity; // the simulated time that is drawn
   private readonly buffer = new PoseBuffer();
   private readonly playhead = new Playhead(kDelayMs);
   private era = -1n;
@@ -61,7 +62,8 @@ export class World {
 
   // Writes the poses to draw at wall time `now`. Returns false if there are none yet.
   posesAt(now: number, out: Float64Array): boolean {
-    return this.buffer.at(this.playhead.at(now), out);
+    this.shownMs = this.playhead.at(now);
+    return this.buffer.at(this.shownMs, out);
   }
 
   bodyIndex(name: string): number {

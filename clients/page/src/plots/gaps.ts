@@ -7,11 +7,13 @@ const kLeastPixels = 2;
 
 // A hook of uPlot, before it draws its lines.
 export function shadeGaps(plot: uPlot): void {
+  const gaps = gapsOf(plot.data[0] as number[], plot.data.slice(1));
+  if (gaps.length === 0) return;
   const { left, top, width, height } = plot.bbox;
   const { ctx } = plot;
   ctx.save();
   ctx.fillStyle = cssColor("--gap");
-  for (const { from, to } of gapsOf(plot.data[0] as number[], plot.data.slice(1))) {
+  for (const { from, to } of gaps) {
     const [a, b] = [from, to].map((time) => Math.min(left + width, Math.max(left, plot.valToPos(time, "x", true)))) as [number, number];
     if (b > left && a < left + width) ctx.fillRect(a, top, Math.max(kLeastPixels, b - a), height);
   }
@@ -22,7 +24,7 @@ export function shadeGaps(plot: uPlot): void {
 export function gapsOf(times: ArrayLike<number>, traces: readonly ArrayLike<number | null | undefined>[]): { from: number; to: number }[] {
   const gaps: { from: number; to: number }[] = [];
   for (let i = 0; i < times.length; ++i) {
-    if (i === 0 || i + 1 >= times.length || !isGap(traces.map((trace) => trace[i]))) continue;
+    if (i === 0 || i + 1 >= times.length || !isGap(traces, i)) continue;
     const last = gaps.at(-1);
     if (last && last.to === times[i]) last.to = times[i + 1]!;
     else gaps.push({ from: times[i - 1]!, to: times[i + 1]! });
@@ -30,7 +32,13 @@ export function gapsOf(times: ArrayLike<number>, traces: readonly ArrayLike<numb
   return gaps;
 }
 
-// Undefined: only another part has a sample at that time.
-function isGap(values: readonly (number | null | undefined)[]): boolean {
-  return values.includes(null) && values.every((value) => value === null || value === undefined);
+// A null, and no value. Undefined: only another part has a sample at that time.
+function isGap(traces: readonly ArrayLike<number | null | undefined>[], i: number): boolean {
+  let gap = false;
+  for (const trace of traces) {
+    const value = trace[i];
+    if (value === null) gap = true;
+    else if (value !== undefined) return false;
+  }
+  return gap;
 }

@@ -37,7 +37,7 @@ export class PlotPane {
     const plot: Plot = new Plot(ports, () => this.close(plot), () => {
       this.parts.plotted().catch(reportError);
       this.changed.emit();
-    });
+    }, this.parts.beside);
     if (plot.ports.length === 0) return plot.dispose();
     this.plots.push(plot);
     this.show();

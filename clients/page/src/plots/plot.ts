@@ -1,6 +1,9 @@
-// One plot: ports against time, or the second port against the first (phase plot). It follows the time.
+// One plot: ports against time, or the second port against the first (phase plot). It follows the time. A
+// second recording's ports are dashed lines of the same colour.
 // Dragging zooms in and stops that, and a double click resumes it. The legend shows the values at the cursor.
 import uPlot from "uplot";
+import type { Signal } from "../common/signal";
+import type { History } from "../model/history";
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
 import { nameOf, type PortName } from "../ui/drag";
@@ -20,6 +23,15 @@ const kWindows = [5, 10, 30, 60, 120, 300];
 const kAir = 0.08; // above and below, as a share of the span
 const kLeastLength = 0.1; // s, of the time axis in the world's first moments
 
+const kDashOfB = [6, 3];
+
+interface Trace {
+  port: Port;
+  color: string;
+  dash: number[];
+  name: string;
+}
+
 // A plot as it is kept.
 export interface PlotData {
   ports: PortName[];
@@ -36,9 +48,10 @@ export class Plot {
   private readonly phase: HTMLButtonElement;
   private readonly stops = new Map<Port, () => void>(); // they end the recording
   private plot: uPlot | null = null;
+  private readonly stopWatching: () => void;
   private zoom: { from: number; to: number } | null = null;
 
-  constructor(ports: readonly Port[], onClose: () => void, private readonly onChange: () => void) {
+  constructor(ports: readonly Port[], onClose: () => void, private readonly onChange: () => void, private readonly beside: Signal<string>) {
     this.phase = h("button", { type: "button", class: "small", "aria-pressed": "false", title: "The second port against the first", onclick: () => this.togglePhase() }, "Phase");
     this.element = h("section", { class: "plot", "aria-label": "Plot" },
       h("div", { class: "plot-tools" }, this.seconds, this.phase,
@@ -48,6 +61,7 @@ export class Plot {
       this.place, this.phaseCanvas, this.gapNote);
     this.seconds.addEventListener("change", onChange);
     new ResizeObserver(() => this.resize()).observe(this.place);
+    this.stopWatching = beside.watch(() => this.plot && this.rebuild());
     this.add(ports);
   }
 
@@ -75,6 +89,7 @@ export class Plot {
   dispose(): void {
     for (const stop of this.stops.values()) stop();
     this.stops.clear();
+    this.stopWatching();
     this.plot?.destroy();
   }
 
@@ -93,10 +108,10 @@ export class Plot {
 
   private window(from: number, to: number): Aligned {
     const width = Math.max(100, this.place.clientWidth);
-    return align(this.byPart().map(([part, ports]) => {
-      const history = part.recordings();
-      return history ? history.window(from, to, width, ports.map((port) => part.channel(port))) : { times: [], values: ports.map(() => []) };
-    }));
+    const parts = this.byPart();
+    const windows = (historyOf: (part: Part) => History | null) => parts.map(([part, ports]) =>
+      historyOf(part)?.window(from, to, width, ports.map((port) => part.channel(port))) ?? { times: [], values: ports.map(() => []) });
+    return align([...windows((part) => part.recordings()), ...(this.beside.value === "" ? [] : windows((part) => part.besides()))]);
   }
 
   private take(port: Port): void {
@@ -111,6 +126,13 @@ export class Plot {
   // In the order of the traces.
   private traced(): Port[] {
     return this.byPart().flatMap(([, ports]) => ports);
+  }
+
+  // The lines of the plot, in the order of its data: first those of the world, then those of B.
+  private traces(): Trace[] {
+    const own = this.traced().map((port, i): Trace => ({ port, color: traceColor(i), dash: traceDash(i), name: port.description.name }));
+    if (this.beside.value === "") return own;
+    return [...own, ...own.map((trace): Trace => ({ ...trace, dash: kDashOfB, name: `${trace.name} · B` }))];
   }
 
   // Ports in the order of the traces: part by part.
@@ -130,7 +152,6 @@ export class Plot {
   private options(): uPlot.Options {
     const units = [...new Set(this.ports.map((port) => port.description.unit))];
     const axis = { stroke: cssColor("--ink-soft"), grid: { stroke: cssColor("--line"), width: 1 }, ticks: { stroke: cssColor("--line"), width: 1 }, font: "11px sans-serif" };
-    const ports = this.traced();
     return {
       ...this.size(),
       cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
@@ -138,7 +159,7 @@ export class Plot {
       scales: { x: { time: false }, ...Object.fromEntries(units.map((unit) => [unit || "1", { range: (_: uPlot, low: number | null, high: number | null) => this.valueRange(unit, low, high) }])) },
       axes: [{ ...axis, size: 26 }, ...units.slice(0, 2).map((unit, i) => ({ ...axis, scale: unit || "1", side: (i === 0 ? 3 : 1) as uPlot.Axis.Side, size: 52, label: unit, labelSize: 14, labelFont: "11px sans-serif", grid: { ...axis.grid, show: i === 0 } }))],
       series: [{ label: "t", value: (_, value) => (value === null ? "–" : `${value.toFixed(3)} s`) },
-        ...ports.map((port, i) => ({ label: port.description.name, scale: port.description.unit || "1", stroke: traceColor(i), dash: traceDash(i), width: 1.5, spanGaps: true, points: { show: false },
+        ...this.traces().map(({ port, color, dash, name }) => ({ label: name, scale: port.description.unit || "1", stroke: color, dash, width: 1.5, spanGaps: true, points: { show: false },
           value: (_: uPlot, value: number | null | undefined) => (value === null || value === undefined ? "–" : `${formatOf(port.description, value)} ${port.description.unit}`) }))],
       hooks: {
         drawClear: [shadeGaps],
@@ -179,29 +200,35 @@ export class Plot {
   }
 
   private exportCsv(): void {
-    const columns = this.byPart().flatMap(([part, ports]) => {
-      const series = part.recordings()?.all(ports.map((port) => part.channel(port)));
-      return ports.map((port, i) => ({ name: `${part.name} ${port.description.name} [${port.description.unit || "1"}]`, times: series?.times ?? [], values: series?.values[i] ?? [] }));
+    const columns = (historyOf: (part: Part) => History | null, of: string) => this.byPart().flatMap(([part, ports]) => {
+      const series = historyOf(part)?.all(ports.map((port) => part.channel(port)));
+      return ports.map((port, i) => ({ name: `${part.name} ${port.description.name}${of} [${port.description.unit || "1"}]`, times: series?.times ?? [], values: series?.values[i] ?? [] }));
     });
-    download("visum.csv", new Blob([toCsv(columns)], { type: "text/csv" }));
+    const ofB = this.beside.value === "" ? [] : columns((part) => part.besides(), " · B");
+    download("visum.csv", new Blob([toCsv([...columns((part) => part.recordings(), ""), ...ofB])], { type: "text/csv" }));
   }
 
   // The plot on the colour of paper, with its legend as text below.
   private exportPng(): void {
     const source = this.phaseCanvas.hidden ? this.plot?.ctx.canvas : this.phaseCanvas;
     if (!source) return;
-    const canvas = h("canvas", { width: source.width, height: source.height + 22 * this.ports.length + 8 });
+    const canvas = h("canvas", { width: source.width, height: source.height + 22 * this.traces().length + 8 });
     const context = canvas.getContext("2d")!;
     context.fillStyle = cssColor("--surface");
     context.fillRect(0, 0, canvas.width, canvas.height);
     context.drawImage(source, 0, 0);
     context.font = "13px sans-serif";
-    this.traced().forEach((port, i) => {
+    this.traces().forEach(({ port, color, dash, name }, i) => {
       const y = source.height + 22 * i + 14;
-      context.fillStyle = traceColor(i);
-      context.fillRect(16, y - 5, 22, 3);
+      context.strokeStyle = color;
+      context.lineWidth = 3;
+      context.setLineDash(dash);
+      context.beginPath();
+      context.moveTo(16, y - 4);
+      context.lineTo(38, y - 4);
+      context.stroke();
       context.fillStyle = cssColor("--ink");
-      context.fillText(`${port.part.name} · ${port.description.name} [${port.description.unit || "1"}]`, 46, y);
+      context.fillText(`${port.part.name} · ${name} [${port.description.unit || "1"}]`, 46, y);
     });
     canvas.toBlob((blob) => blob && download("visum.png", blob));
   }

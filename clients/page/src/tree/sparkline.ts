@@ -1,4 +1,5 @@
 // The last seconds of a value, drawn as small as a word.
+import { cssColor } from "../ui/palette";
 import { fit } from "../ui/range";
 
 const kPoints = 60;
@@ -35,7 +36,7 @@ export class Sparkline {
     if (!context) return;
     const { width, height } = this.canvas;
     context.clearRect(0, 0, width, height);
-    context.strokeStyle = getComputedStyle(this.canvas).color;
+    context.strokeStyle = cssColor("--accent");
     context.lineWidth = 2;
     context.beginPath();
     if (still) context.moveTo(0, height / 2), context.lineTo(width, height / 2);

@@ -27,12 +27,13 @@ export class Tree {
   }
 
   private show(list: Part[]): void {
-    // After a reconnection with the same parts, open groups and the search stay as they are.
+    // Where a part stays, its open groups and the search stay as they are.
     if (list.length === this.views.length && list.every((part, i) => part === this.views[i]?.part)) return;
-    for (const view of this.views) view.dispose();
+    const before = this.views;
+    this.views = list.map((part) => before.find((view) => view.part === part) ?? new PartView(this.link, part, this.actions));
+    for (const view of before) if (!this.views.includes(view)) view.dispose();
     this.observer.disconnect();
     this.rows.clear();
-    this.views = list.map((part) => new PartView(this.link, part, this.actions));
     this.body.replaceChildren(...this.views.map((view) => view.element));
     for (const row of this.views.flatMap((view) => view.rows)) {
       this.rows.set(row.element, row);

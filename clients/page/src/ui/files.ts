@@ -21,3 +21,15 @@ export function pickText(accept: string): Promise<string> {
     input.click();
   });
 }
+
+// Lets the user choose a folder. Resolves to its files, with their paths from the folder's name on. It stays
+// open for ever where the user chooses none, as browsers tell nobody.
+export function pickFolder(): Promise<{ path: string; file: File }[]> {
+  const input = document.createElement("input");
+  input.type = "file";
+  input.webkitdirectory = true;
+  return new Promise((resolve) => {
+    input.addEventListener("change", () => resolve([...(input.files ?? [])].map((file) => ({ path: file.webkitRelativePath, file }))));
+    input.click();
+  });
+}

@@ -1,16 +1,14 @@
 // The other arm of a mirrored pair, drawn as a ghost of the arm in this world.
-import { Color, Group, Matrix4, Mesh, MeshStandardMaterial } from "three";
+import { Group, Matrix4, Mesh, type MeshStandardMaterial } from "three";
 import type { WorldDescription } from "../link/messages";
 import type { Part } from "../model/part";
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { h, setText } from "../ui/dom";
-import { isDrawn } from "./bodies";
 import { divergencePorts, ghostBodies, ghostPose, type GhostBody } from "./ghost_pose";
+import { addGhostShapes } from "./ghost_shapes";
 import { kInvisible, type Viewer } from "./viewer";
 
-const kColor = new Color(0x009e73);
-const kOpacity = 0.45;
 const kKind = "divergence"; // the kind of the part that tells how far two arms are apart (visum-mirror)
 const kSuffix = "_divergence"; // its name is the arm's name with this suffix
 
@@ -51,20 +49,9 @@ export class Ghost {
     this.bodies = ghostBodies(description.joints, arm, (name) => this.world.bodyIndex(name));
     this.ports = divergencePorts(description.joints, arm, this.part.description.sensorOutputs);
     this.groups = description.bodies.map(() => new Group());
-    for (const { body } of this.bodies) this.addShapes(body);
+    for (const { body } of this.bodies) addGhostShapes(this.viewer.bodies.shapes[body]!, this.groups[body]!);
     for (const group of this.groups) this.root.add(group);
     this.stop = this.part.sampled.on(() => this.moved() && this.viewer.redraw());
-  }
-
-  private addShapes(body: number): void {
-    for (const { mesh, shape } of this.viewer.bodies.shapes[body]!) {
-      if (!isDrawn(shape)) continue;
-      const copy = new Mesh(mesh.geometry, new MeshStandardMaterial({ color: kColor, transparent: true, opacity: kOpacity, depthWrite: false }));
-      copy.position.copy(mesh.position);
-      copy.quaternion.copy(mesh.quaternion);
-      copy.raycast = () => undefined;
-      this.groups[body]!.add(copy);
-    }
   }
 
   // The geometries belong to the bodies, which dispose of them.

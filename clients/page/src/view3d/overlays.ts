@@ -5,6 +5,7 @@ import type { JointDescription, WorldDescription } from "../link/messages";
 import type { World } from "../model/world";
 import { formatInRange } from "../ui/numbers";
 import { disposeOf } from "./dispose";
+import type { BesideGhost } from "./beside_ghost";
 import type { Ghost } from "./ghost";
 import { Labels } from "./labels";
 import { onTop } from "./on_top";
@@ -22,6 +23,7 @@ export const kOverlays = {
   rays: "Sensor rays",
   cameras: "Camera frusta",
   ghost: "The other arm of a mirrored pair",
+  beside: "The second recording",
 } as const;
 export type OverlayName = keyof typeof kOverlays;
 
@@ -31,7 +33,7 @@ const kLongestArrow = 0.5;
 
 export class Overlays {
   readonly on: Record<OverlayName, boolean> = {
-    frames: false, com: false, joints: false, contacts: false, trails: false, collision: false, rays: false, cameras: false, ghost: true,
+    frames: false, com: false, joints: false, contacts: false, trails: false, collision: false, rays: false, cameras: false, ghost: true, beside: true,
   };
   private readonly root = new Group();
   private readonly contacts = new Group();
@@ -41,7 +43,7 @@ export class Overlays {
   private axes: { arrow: ArrowHelper; joint: JointDescription; parent: number; child: number; index: number }[] = [];
   private readonly trails = new Trails();
 
-  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly sensors: SensorOverlay, private readonly ghost: Ghost, container: HTMLElement) {
+  constructor(private readonly viewer: Viewer, private readonly world: World, private readonly sensors: SensorOverlay, private readonly ghosts: { ghost: Ghost; beside: BesideGhost }, container: HTMLElement) {
     this.labels = new Labels(container, viewer);
     viewer.scene.add(this.root, this.contacts, this.trails.root, sensors.root);
     viewer.rebuilt.on((description) => this.build(description));
@@ -52,7 +54,7 @@ export class Overlays {
     this.on[name] = on;
     if (name === "rays") this.sensors.showRays(on);
     if (name === "cameras") this.sensors.showFrusta(on);
-    if (name === "ghost") this.ghost.set(on);
+    if (name === "ghost" || name === "beside") this.ghosts[name].set(on);
     if (name === "collision") this.viewer.bodies.showCollisionShapes(on);
     if (name === "trails" && !on) this.trails.forget();
     this.viewer.redraw();

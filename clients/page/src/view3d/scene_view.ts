@@ -3,9 +3,11 @@
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
+import type { Recording } from "../model/recording";
 import type { World } from "../model/world";
 import { h, setText } from "../ui/dom";
 import { cssColor } from "../ui/palette";
+import { BesideGhost } from "./beside_ghost";
 import { Ghost } from "./ghost";
 import { Overlays } from "./overlays";
 import { Selection } from "./selection";
@@ -16,24 +18,26 @@ import { Viewer } from "./viewer";
 export interface SceneView {
   viewer: Viewer;
   ghost: Ghost;
+  beside: BesideGhost;
   overlays: Overlays;
   selection: Selection;
 }
 
 // Null: the browser draws no 3D.
-export function makeSceneView(place: HTMLElement, link: Link, world: World, parts: Parts, clock: Clock): SceneView | null {
+export function makeSceneView(place: HTMLElement, link: Link, world: World, parts: Parts, clock: Clock, recording: Recording): SceneView | null {
   const viewer = viewerIn(place, world);
   place.append(emptyNote(world));
   if (!viewer) return null;
   const ghost = new Ghost(viewer, world, parts);
-  const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), ghost, place);
+  const beside = new BesideGhost(viewer, world, recording);
+  const overlays = new Overlays(viewer, world, new SensorOverlay(viewer, world, parts), { ghost, beside }, place);
   const selection = new Selection(viewer, world, parts, link, clock, place);
-  place.append(viewToolbar(viewer, world, overlays, selection, place), ghost.sign);
+  place.append(viewToolbar(viewer, world, overlays, selection, place), ghost.sign, beside.sign);
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const paint = () => viewer.setLook(cssColor("--sky"), dark.matches);
   dark.addEventListener("change", paint);
   paint();
-  return { viewer, ghost, overlays, selection };
+  return { viewer, ghost, beside, overlays, selection };
 }
 
 function viewerIn(place: HTMLElement, world: World): Viewer | null {

@@ -3,8 +3,11 @@
 import type { FaultKind, FaultList } from "../link/messages";
 import type { Link } from "../link/link";
 import type { Parts } from "../model/parts";
+import { poll } from "../model/poll";
 import { h, setText } from "../ui/dom";
 import { actButton, section } from "./act";
+
+const kLookMs = 500; // while the menu is open
 
 export class FaultsSection {
   readonly element: HTMLElement;
@@ -15,6 +18,7 @@ export class FaultsSection {
   private readonly numbers = h("div", { class: "fault-numbers" });
   private readonly seconds = h("input", { type: "number", min: 0, step: "any", value: "0", "aria-label": "Duration of the fault in s; 0: until it is ended" });
   private kinds: FaultKind[] = [];
+  private shown = ""; // of the active ones
 
   constructor(private readonly link: Link, private readonly parts: Parts) {
     const forSeconds = h("label", { class: "field" }, h("span", {}, "for s"), this.seconds);
@@ -22,6 +26,8 @@ export class FaultsSection {
       h("div", { class: "menu-row" }, forSeconds, actButton("Break it", () => this.inject())), this.active);
     this.part.addEventListener("change", () => void this.refresh());
     this.kind.addEventListener("change", () => this.showNumbers());
+    // A fault acts from the next tick on, ends by itself, and may be another client's
+    poll(() => this.look(), kLookMs);
   }
 
   // Call it when the menu opens.
@@ -53,6 +59,12 @@ export class FaultsSection {
     this.showActive(list);
   }
 
+  private async look(): Promise<void> {
+    if (this.element.offsetParent === null || this.part.value === "" || !this.link.mayChangeWorld) return;
+    const list = await this.link.request({ case: "listFaults", value: { part: this.part.value } }, "faults").catch(() => null);
+    if (list) this.showActive(list);
+  }
+
   private showNumbers(): void {
     const kind = this.kinds.find(({ name }) => name === this.kind.value);
     setText(this.effect, kind?.effect ?? "");
@@ -65,6 +77,9 @@ export class FaultsSection {
   }
 
   private showActive({ active }: FaultList): void {
+    const now = active.map(({ part, kind, numbers }) => [part, kind, ...numbers.map(({ name, value }) => `${name} ${value}`)].join()).join(";");
+    if (now === this.shown) return; // a button that a user is at stays
+    this.shown = now;
     this.active.replaceChildren(...active.map(({ part, kind, numbers }) => {
       const words = [kind, ...numbers.map(({ name, value }) => `${name} ${value}`)].join(", ");
       const joint = numbers.find(({ name }) => name === "joint")?.value ?? 0;

@@ -1,5 +1,6 @@
-// The menu "World": what a user does to it. Bookmarks of its state, a recording, faults on purpose, bodies
-// that come and go, and what a reset takes back.
+// The menu "World": what a user does to it. Bookmarks of its state, a recording, models and bodies that come
+// and go, faults on purpose, and what a reset takes back. A section has an element, and a function `open` if
+// it asks the server for something when the menu opens.
 import { ResetScope } from "../link/messages";
 import type { Link } from "../link/link";
 import type { Events } from "../model/events";
@@ -12,6 +13,7 @@ import { section } from "./act";
 import { BodiesSection } from "./bodies";
 import { BookmarksSection } from "./bookmarks";
 import { FaultsSection } from "./faults";
+import { ModelsSection } from "./models";
 import { RecordingSection } from "./recording";
 
 const kScopes: [string, ResetScope][] = [
@@ -25,10 +27,11 @@ export class WorldMenu {
   constructor(link: Link, world: World, parts: Parts, events: Events, private readonly reset: (scope: ResetScope) => void) {
     const bookmarks = new BookmarksSection(link, world);
     const faults = new FaultsSection(link, parts);
-    const content = h("div", { class: "world-menu" }, bookmarks.element, new RecordingSection(link, events).element, faults.element, new BodiesSection(link, world).element, this.resets());
+    const models = new ModelsSection(link, world);
+    const content = h("div", { class: "world-menu" }, bookmarks.element, new RecordingSection(link, events).element, models.element, new BodiesSection(link, world).element, faults.element, this.resets());
     this.element = popover("World", content);
     this.element.classList.add("world");
-    this.element.addEventListener("toggle", () => this.element.open && void faults.open().catch(reportError));
+    this.element.addEventListener("toggle", () => this.element.open && void Promise.all([faults.open(), models.open()]).catch(reportError));
     const show = () => (this.element.hidden = !link.mayChangeWorld);
     link.state.watch(show);
     link.recorded.watch(show);
