@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/cycle/simulation.h"
+#include "server/gateway/part_table.h"
 #include "server/gateway/published.h"
 #include "server/scene/scene.h"
 
@@ -38,11 +39,12 @@ void tick(benchmark::State& state, const std::string& engine, const std::string&
     simulation.tick();
   }
   const auto start = simulation.take_snapshot();
+  const gateway::PartNumbers numbers(simulation);
   gateway::Published published;
   for (auto _ : state) {
     command(simulation, middle);
     simulation.tick();
-    gateway::fill(published, simulation, {});
+    gateway::fill(published, simulation, {}, numbers.table());
     if (simulation.tick_count() == 22'000) {
       state.PauseTiming();
       if (!simulation.restore_snapshot(start).done()) state.SkipWithError("the snapshot is gone");

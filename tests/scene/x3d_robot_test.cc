@@ -18,6 +18,16 @@ std::array<double, 3> size_of_only_shape(const Scene& scene) {
   return scene.world.shapes.at(0).size;
 }
 
+TEST(X3dHeaders, OfEachVersionAreTaken) {
+  const test::TempFiles files;
+  for (const std::string header : {"#X3D V3.0 utf8", "#X3D V3.3 utf8", "#X3D V4.0 utf8", "#X3D V4.1 utf8",
+                                   "#VRML V2.0 utf8 CosmoWorlds"})
+    EXPECT_EQ(size_of_only_shape(read_any_scene(
+                  files.write("a.x3dv", header + "\nShape { geometry Box { size 1 2 3 } }"), {})),
+              (std::array<double, 3>{1, 2, 3}))
+        << header;
+}
+
 TEST(X3dPrototypes, FillFieldsAndDefaultsThroughNestedPrototypes) {
   const test::TempFiles files;
   const auto scene = read_any_scene(files.write("a.wrl", kVrml + R"(

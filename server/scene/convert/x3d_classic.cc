@@ -105,22 +105,29 @@ std::string in_quotes(const std::string& text) {
   return quoted + "\"";
 }
 
-// True if one of the comments at the top, of which the first should be it, is a header.
 bool has_header(std::string_view text) {
+  return text.starts_with("#X3D V3.") || text.starts_with("#X3D V4.") || text.starts_with("#VRML V2.0");
+}
+
+// Empty if one of the comments at the top, of which the first should be it, is a header; otherwise says what
+// is wrong.
+std::string fault_of_header(std::string_view text) {
+  if (text.starts_with("\x1F\x8B")) return "is compressed; unpack it first: gunzip < FILE > FILE.wrl";
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   while (text.starts_with('#') || text.starts_with('\r') || text.starts_with('\n')) {
-    if (text.starts_with("#X3D V3.") || text.starts_with("#VRML V2.0")) return true;
+    if (has_header(text)) return "";
+    if (text.starts_with("#VRML V1.0")) return "is VRML 1.0, another language; save it as VRML97 or X3D";
     text.remove_prefix(std::min(text.size(), text.find('\n')));
     while (!text.empty() && (text[0] == '\n' || text[0] == '\r')) text.remove_prefix(1);
   }
-  return false;
+  return "must begin with '#X3D V3.2 utf8' or '#VRML V2.0 utf8'";
 }
 
 // A recursive-descent parser. Which fields a node may have is not checked here.
 class Reader {
  public:
   Reader(const std::string& text, const std::string& file) : tokens_(text, file) {
-    if (!has_header(text)) tokens_.fail(1, "must begin with '#X3D V3.2 utf8' or '#VRML V2.0 utf8'");
+    if (const std::string fault = fault_of_header(text); !fault.empty()) tokens_.fail(1, fault);
   }
 
   X3dNode read() {
