@@ -15,6 +15,7 @@
 #include "protocol/module_messages.h"
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
+#include "protocol/scene_messages.h"
 
 namespace visum::protocol {
 
@@ -210,15 +211,14 @@ struct RemoveBody {
   std::string body;
 };
 struct Shutdown {};
-using Request =
-    std::variant<Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe,
-                 Unsubscribe, GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance,
-                 Leave, Note, DescribeWorld, ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh,
-                 ReadTexture, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
-                 AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
-                 PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
-                 StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels>;
+using Request = std::variant<
+    Hello, Status, ListParts, DescribePart, AcquireLease, ReleaseLease, Write, Read, Subscribe, Unsubscribe,
+    GetParameters, SetParameter, ReadBlackboard, WriteBlackboard, Join, Advance, Leave, Note, DescribeWorld,
+    ReadWorld, SubscribeWorld, UnsubscribeWorld, ReadMesh, ReadTexture, Pause, Resume, Step, SetSpeed, Reset,
+    TakeSnapshot, RestoreSnapshot, PushBody, AddBody, RemoveBody, Shutdown, InjectFault, ClearFault,
+    ListFaults, SetBody, SetJoints, PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce,
+    StartRecording, StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
+    LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, ListScenes, LoadScene>;
 
 // ---------------------------------------- server to client
 
@@ -428,6 +428,6 @@ struct EventList {
 using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
                            PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
                            MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
-                           OverrideModulePort, ModelSpawned, ModelList>;
+                           OverrideModulePort, ModelSpawned, ModelList, SceneList>;
 
 }  // namespace visum::protocol

@@ -57,6 +57,7 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       faults_(world_, mailbox, limiter_, buses),
       events_(clients_, log),
       modules_(clients_),
+      scenes_(world_, commands_),
       server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {
   clients_.feed().set_world(world_.tick_ns, world_.server.substr(0, world_.server.find(' ')));
 }
@@ -143,7 +144,7 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   std::visit(
       [&](const auto& message) {
         hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, placing_, faults_,
-                  events_, modules_, server_);
+                  events_, modules_, scenes_, server_);
       },
       request);
   // A command that waits for the tick is counted by finish_commands().

@@ -27,6 +27,7 @@
 #include "server/gateway/parts.h"
 #include "server/gateway/placing_requests.h"
 #include "server/gateway/published.h"
+#include "server/gateway/scene_requests.h"
 #include "server/gateway/server_requests.h"
 #include "server/gateway/static_world.h"
 #include "server/gateway/streams.h"
@@ -147,6 +148,7 @@ class Gateway : public protocol::SessionHandler {
   FaultRequests faults_;
   EventRequests events_;
   ModuleRequests modules_;
+  SceneRequests scenes_;
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;

@@ -86,7 +86,9 @@ std::vector<Row> table() {
 
           {SpawnModel{}, kNot, kNot, kYes},
           {RemoveModel{}, kNot, kNot, kYes},
-          {ListModels{}, kYes, kYes, kYes}};
+          {ListModels{}, kYes, kYes, kYes},
+          {ListScenes{}, kYes, kYes, kYes},
+          {LoadScene{}, kNot, kNot, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

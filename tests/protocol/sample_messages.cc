@@ -211,6 +211,8 @@ Samples<Request> sample_requests() {
                                  {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
       {"remove_model", RemoveModel{"second"}},
       {"list_models", ListModels{}},
+      {"list_scenes", ListScenes{}},
+      {"load_scene", LoadScene{"cart"}},
   };
 }
 
@@ -246,6 +248,7 @@ Samples<Reply> sample_replies() {
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
+      {"scenes", SceneList{{"amtec_arm", "cart"}, {"pick_and_place"}}},
   };
 }
 
