@@ -90,12 +90,10 @@ void Gateway::follow_parts() {
   if (!now_->table || now_->table == world_.table) return;
   const auto before = world_.table;
   world_.use(now_->table);
-  std::vector<std::uint32_t> changed;
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
-    if (part >= before->slots.size() || before->slots[part].generation != world_.generation(part))
-      changed.push_back(part);
+  const auto changed = changed_parts(*before, *world_.table);
   parts_.follow(*before, changed, *now_);
   streams_.forget_parts(changed);
+  lockstep_.forget_parts(changed);
 }
 
 void Gateway::look_at_world() {
@@ -284,7 +282,13 @@ void Gateway::follow_eras() {
     client.step_until = now.tick;
     lockstep_.begin_cycle_with(*client.session, client.backlog.front().second);
   }
-  clients_.broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
+  const bool loaded = std::exchange(scene_told_, now.table->scene_number) != now.table->scene_number;
+  clients_.broadcast(
+      {"era",
+       loaded ? "the scene '" + now.table->scene + "' was loaded" : "the world was reset or restored",
+       {},
+       now.era,
+       now.tick});
 }
 
 void Gateway::finish_commands() {

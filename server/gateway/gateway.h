@@ -152,6 +152,7 @@ class Gateway : public protocol::SessionHandler {
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;
+  std::uint64_t scene_told_ = 1;  // the number of the scene of which the clients know
   bool relieved_ = false;
   config::Profile* profile_ = nullptr;
   protocol::ClientLog stop_log_{"emergency stops"};  // anybody may pull them, as often as he likes

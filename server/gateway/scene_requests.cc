@@ -16,9 +16,9 @@ void SceneRequests::handle(const Call& call, const protocol::LoadScene& request)
   const auto scenes = world_.models.empty() ? std::vector<std::string>() : scenes_in(world_.models);
   if (std::ranges::find(scenes, request.scene) == scenes.end())
     return call.fail(protocol::ErrorCode::kUnknownName, config::unknown_name("scene", request.scene, scenes));
-  call.session.log(protocol::LogLevel::kInfo, "'" + call.session.client_name() + "' at " +
-                                                  call.session.peer() + " loads the scene '" + request.scene +
-                                                  "'");
+  call.session.log(protocol::LogLevel::kWarning, "'" + call.session.client_name() + "' at " +
+                                                     call.session.peer() + " loads the scene '" +
+                                                     request.scene + "'");
   commands_.send(call, request);
 }
 

@@ -16,9 +16,9 @@
 
 namespace visum::gateway {
 
-// Made before the first session, and constant from then on but for the parts, which the Gateway renews on the
-// sessions' thread when models come and go. WorldRequests keeps the description that is valid now, and begins
-// with `view`.
+// Made before the first session, and constant from then on but for scene and parts, which the Gateway renews
+// on the sessions' thread when models come and go and when another scene is loaded. WorldRequests keeps the
+// description that is valid now, and begins with `view`.
 struct StaticWorld {
   std::string scene;
   scene::ClockKind clock = scene::ClockKind::kRealtime;

@@ -143,6 +143,8 @@ int run(Options options) {
   options.of_daemon.archive = &archive;
   options.of_daemon.models =
       options.models.empty() ? gateway::find_models_folder() : std::filesystem::path(options.models);
+  options.of_daemon.scenes = {{}, origin.engine, {}, origin.packages};
+  if (options.seed >= 0) options.of_daemon.scenes.seed = static_cast<std::uint64_t>(options.seed);
   std::optional<recording::FlightRecorder> flight;
   if (!options.record.empty() || !options.try_record.empty())
     log.emplace();

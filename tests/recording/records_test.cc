@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/records.h"
 
 namespace visum::recording {
@@ -107,6 +108,18 @@ TEST(Records, InputsComeBackAsTheyWere) {
   EXPECT_EQ(std::get<AddBody>(through(AddBody{"{name: x}"}, message).input).yaml, "{name: x}");
   EXPECT_EQ(std::get<RemoveBody>(through(RemoveBody{"x"}, message).input).name, "x");
 
+  const LoadedScene cart{"cart",
+                         "/s/cart.yaml",
+                         "ode",
+                         "{mass: 2}",
+                         77,
+                         {{"robot", "/r"}},
+                         {"/ros/share"},
+                         {{"/s/cart.yaml", "visum: 1"}, {"/s/cart.urdf", "<robot/>"}}};
+  const auto loaded =
+      std::get<LoadScene>(through(LoadScene{std::make_shared<const LoadedScene>(cart)}, message).input);
+  EXPECT_EQ(*loaded.scene, cart);
+
   const auto fault =
       std::get<InjectFault>(through(InjectFault{"arm", "gear_slip", values, 77}, message).input);
   EXPECT_EQ(fault.part, "arm");
@@ -126,6 +139,9 @@ TEST(Records, BytesThatAreNoInputAreRefused) {
   std::vector<std::byte> bytes;
   encode(TimedInput{0, 1, BusTelegram{"arm", 0, 4, 1, {}}}, bytes);
   EXPECT_FALSE(message.decode(bytes)) << "hosts send no state";
+  bytes.clear();
+  encode(TimedInput{0, 1, LoadScene{std::make_shared<const LoadedScene>()}}, bytes);
+  EXPECT_FALSE(message.decode(bytes)) << "the file of the scene is not there";
   bytes.clear();
   encode(TimedInput{0, 1, BusTelegram{"arm", 0, 0, 1, bytes_of("123456789")}}, bytes);
   EXPECT_FALSE(message.decode(bytes)) << "nine bytes";
