@@ -18,7 +18,8 @@ using std::chrono::steady_clock;
 constexpr std::size_t kReceiveBytes = 16u << 10;
 
 bool waits_for_the_world(const Request& request) {
-  return std::holds_alternative<Advance>(request) || std::holds_alternative<Step>(request);
+  return std::holds_alternative<Advance>(request) || std::holds_alternative<Step>(request) ||
+         std::holds_alternative<LoadScene>(request);
 }
 
 }  // namespace

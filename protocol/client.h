@@ -54,7 +54,7 @@ class Connection {
   const Welcome& welcome() const;
 
   // Sends a request and waits for its reply. Throws RequestError if the reply is an Error or does not come in
-  // time. Advance and Step have no time limit: they take as long as the world takes.
+  // time. Advance, Step and LoadScene have no time limit: they take as long as the world takes.
   Reply request(const Request& request);
   // As request(). Throws RequestError (kMalformed) if the reply is not a T.
   template <typename T>

@@ -16,6 +16,7 @@
 #include "protocol/part_description.h"
 #include "protocol/reset_scope.h"
 #include "protocol/scenario_messages.h"
+#include "protocol/scene_messages.h"
 
 namespace visum::protocol {
 
@@ -219,8 +220,8 @@ using Request =
                  AddBody, RemoveBody, Shutdown, InjectFault, ClearFault, ListFaults, SetBody, SetJoints,
                  PullBody, ReleaseBody, SubscribeEvents, UnsubscribeEvents, Announce, StartRecording,
                  StopRecording, AnnounceModules, ReportModules, ListModules, OverrideModulePort,
-                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, SetModuleParameter,
-                 RunScenario, StopScenario, ReadScenario>;
+                 LockBlackboard, UnlockBlackboard, SpawnModel, RemoveModel, ListModels, ListScenes, LoadScene,
+                 RunScenario, StopScenario, ReadScenario, SetModuleParameter>;
 
 // ---------------------------------------- server to client
 
@@ -427,9 +428,10 @@ struct EventList {
   std::vector<Event> events;
 };
 
-using Reply = std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant,
-                           PartSample, ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample,
-                           MeshData, SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList,
-                           OverrideModulePort, ModelSpawned, ModelList, SetModuleParameter, ScenarioState>;
+using Reply =
+    std::variant<Error, Ok, Welcome, ServerStatus, PartList, PartDescriptionReply, LeaseGrant, PartSample,
+                 ParameterList, BlackboardData, Advanced, WorldDescription, WorldSample, MeshData,
+                 SnapshotTaken, Event, TextureData, FaultList, EventList, ModuleList, OverrideModulePort,
+                 ModelSpawned, ModelList, SceneList, SetModuleParameter, ScenarioState>;
 
 }  // namespace visum::protocol

@@ -59,9 +59,29 @@ void take(const v1::WorldSample& from, WorldSample& to);
 void put(const MeshData& from, v1::MeshData& to);
 void take(const v1::MeshData& from, MeshData& to);
 
-// wire_modules.cc: the requests of module_messages.h, the list of modules, and locks of blackboards.
-struct PutModuleRequest {
+// wire_models.cc: models that come and go, and scenes.
+struct PutModelRequest {
   v1::ClientMessage& to;
+  void operator()(const SpawnModel& from) const;
+  void operator()(const RemoveModel& from) const;
+  void operator()(const ListModels& from) const;
+  void operator()(const ListScenes& from) const;
+  void operator()(const LoadScene& from) const;
+};
+// False if it is another request.
+bool take_model_request(const v1::ClientMessage& from, Request& to);
+struct PutModelReply {
+  v1::ServerMessage& to;
+  void operator()(const ModelSpawned& from) const;
+  void operator()(const ModelList& from) const;
+  void operator()(const SceneList& from) const;
+};
+void take_model_reply(const v1::ServerMessage& from, Reply& to);
+
+// wire_modules.cc: the requests of module_messages.h, the list of modules, and locks of blackboards.
+struct PutModuleRequest : PutModelRequest {
+  using PutModelRequest::operator();
+
   void operator()(const AnnounceModules& from) const;
   void operator()(const ReportModules& from) const;
   void operator()(const ListModules& from) const;
@@ -143,6 +163,15 @@ void put_numbers(const std::vector<T>& from, Field* to) {
 template <typename Field, typename T>
 void take_numbers(const Field& from, std::vector<T>& to) {
   to.assign(from.data(), from.data() + from.size());
+}
+
+template <typename Repeated>
+void put_texts(const std::vector<std::string>& from, Repeated* to) {
+  to->Assign(from.begin(), from.end());
+}
+template <typename Repeated>
+std::vector<std::string> texts_of(const Repeated& from) {
+  return {from.begin(), from.end()};
 }
 
 // Protobuf keeps bytes in a std::string.

@@ -6,16 +6,6 @@
 namespace visum::protocol::wire {
 namespace {
 
-using Names = google::protobuf::RepeatedPtrField<std::string>;
-
-void put_names(const std::vector<std::string>& from, Names* to) {
-  to->Assign(from.begin(), from.end());
-}
-
-std::vector<std::string> names_of(const Names& from) {
-  return {from.begin(), from.end()};
-}
-
 void put_end(const ModuleEnd& from, v1::ModuleEnd& to) {
   to.set_part(from.part);
   to.set_path(from.path);
@@ -38,10 +28,10 @@ void put_announced(const AnnounceModules& from, v1::AnnounceModules& to) {
     auto& w = *to.add_modules();
     w.set_path(module.path);
     w.set_is_group(module.is_group);
-    put_names(module.controller_inputs, w.mutable_controller_inputs());
-    put_names(module.controller_outputs, w.mutable_controller_outputs());
-    put_names(module.sensor_inputs, w.mutable_sensor_inputs());
-    put_names(module.sensor_outputs, w.mutable_sensor_outputs());
+    put_texts(module.controller_inputs, w.mutable_controller_inputs());
+    put_texts(module.controller_outputs, w.mutable_controller_outputs());
+    put_texts(module.sensor_inputs, w.mutable_sensor_inputs());
+    put_texts(module.sensor_outputs, w.mutable_sensor_outputs());
     for (const Parameter& parameter : module.parameters) wire::put(parameter, *w.add_parameters());
   }
   for (const Blackboard& board : from.blackboards) wire::put(board, *to.add_blackboards());
@@ -58,9 +48,9 @@ bool take_announced(const v1::AnnounceModules& from, AnnounceModules& to, std::s
   to.period_ns = from.period_ns();
   to.address = from.address();
   for (const auto& w : from.modules()) {
-    to.modules.push_back({w.path(), w.is_group(), names_of(w.controller_inputs()),
-                          names_of(w.controller_outputs()), names_of(w.sensor_inputs()),
-                          names_of(w.sensor_outputs())});
+    to.modules.push_back({w.path(), w.is_group(), texts_of(w.controller_inputs()),
+                          texts_of(w.controller_outputs()), texts_of(w.sensor_inputs()),
+                          texts_of(w.sensor_outputs())});
     for (const auto& parameter : w.parameters())
       if (!wire::take(parameter, to.modules.back().parameters.emplace_back(), why)) return false;
   }

@@ -19,8 +19,8 @@ void put_event(const Event& from, v1::Event& to) {
   to.set_sim_time_ns(from.sim_time_ns);
 }
 
-struct PutReply {
-  v1::ServerMessage& to;
+struct PutReply : PutModelReply {
+  using PutModelReply::operator();
 
   void operator()(const Error& m) const {
     auto& w = *to.mutable_error();
@@ -78,17 +78,6 @@ struct PutReply {
     w.set_bus_said(m.bus_said);
     put_streams(m.streams, w.mutable_streams());
   }
-  void operator()(const ModelSpawned& m) const {
-    auto& w = *to.mutable_model_spawned();
-    w.set_name(m.name);
-    w.mutable_bodies()->Assign(m.bodies.begin(), m.bodies.end());
-    w.mutable_parts()->Assign(m.parts.begin(), m.parts.end());
-  }
-  void operator()(const ModelList& m) const {
-    auto& w = *to.mutable_models();
-    w.mutable_files()->Assign(m.files.begin(), m.files.end());
-    w.mutable_spawned()->Assign(m.spawned.begin(), m.spawned.end());
-  }
   void operator()(const SnapshotTaken& m) const {
     auto& w = *to.mutable_snapshot();
     w.set_snapshot(m.snapshot);
@@ -117,10 +106,6 @@ struct PutReply {
   void operator()(const OverrideModulePort& m) const { put_override(m, *to.mutable_override_module_port()); }
   void operator()(const SetModuleParameter& m) const { wire::put(m, *to.mutable_set_module_parameter()); }
 };
-
-std::vector<std::string> texts_of(const google::protobuf::RepeatedPtrField<std::string>& from) {
-  return {from.begin(), from.end()};
-}
 
 bool take(const v1::Error& from, Error& to, std::string& why) {
   to.text = from.text();
@@ -182,7 +167,7 @@ std::vector<std::byte> bytes_of(const std::string& from) {
 }
 
 void put(const Reply& from, v1::ServerMessage& to) {
-  std::visit(PutReply{to}, from);
+  std::visit(PutReply{{to}}, from);
 }
 
 bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
@@ -239,11 +224,9 @@ bool take(const v1::ServerMessage& from, Reply& to, std::string& why) {
       to = SnapshotTaken{snapshot.snapshot(), snapshot.tick(), snapshot.state_hash()};
       return true;
     case Case::kModelSpawned:
-      to = ModelSpawned{from.model_spawned().name(), texts_of(from.model_spawned().bodies()),
-                        texts_of(from.model_spawned().parts())};
-      return true;
     case Case::kModels:
-      to = ModelList{texts_of(from.models().files()), texts_of(from.models().spawned())};
+    case Case::kScenes:
+      take_model_reply(from, to);
       return true;
     case Case::kFaults:
       take(from.faults(), to.emplace<FaultList>());

@@ -169,20 +169,6 @@ struct PutRequest : PutScenarioRequest {
   }
   void operator()(const AddBody& m) const { to.mutable_add_body()->set_yaml(m.yaml); }
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->set_body(m.body); }
-  void operator()(const SpawnModel& m) const {
-    auto& w = *to.mutable_spawn_model();
-    w.set_file(m.file);
-    w.set_name(m.name);
-    put_numbers(m.pose, w.mutable_pose());
-    w.set_make_unique(m.make_unique);
-    for (const auto& file : m.files) {
-      auto& entry = *w.add_files();
-      entry.set_path(file.path);
-      entry.set_content(file.content);
-    }
-  }
-  void operator()(const RemoveModel& m) const { to.mutable_remove_model()->set_name(m.name); }
-  void operator()(const ListModels&) const { to.mutable_list_models(); }
   void operator()(const Shutdown&) const { to.mutable_shutdown(); }
   void operator()(const InjectFault& m) const { wire::put(m, *to.mutable_inject_fault()); }
   void operator()(const ClearFault& m) const {
@@ -200,14 +186,6 @@ bool take(const v1::Hello& from, Hello& to, std::string& why) {
   to.client_name = from.client_name();
   to.token = from.token();
   return take_enum(from.role(), Role::kAdmin, to.role, "role", why);
-}
-
-void take(const v1::SpawnModel& from, SpawnModel& to) {
-  to.file = from.file();
-  to.name = from.name();
-  take_numbers(from.pose(), to.pose);
-  to.make_unique = from.make_unique();
-  for (const auto& file : from.files()) to.files.push_back({file.path(), file.content()});
 }
 
 bool take(const v1::SetParameter& from, SetParameter& to, std::string& why) {
@@ -314,15 +292,6 @@ bool take_placing_request(const v1::ClientMessage& from, Request& to) {
       return true;
     case v1::ClientMessage::kStopRecording:
       to = StopRecording{};
-      return true;
-    case v1::ClientMessage::kSpawnModel:
-      take(from.spawn_model(), to.emplace<SpawnModel>());
-      return true;
-    case v1::ClientMessage::kRemoveModel:
-      to = RemoveModel{from.remove_model().name()};
-      return true;
-    case v1::ClientMessage::kListModels:
-      to = ListModels{};
       return true;
     case v1::ClientMessage::kReleaseBody:
       to = ReleaseBody{from.release_body().body()};
@@ -440,7 +409,8 @@ bool take(const v1::ClientMessage& from, Request& to, std::string& why) {
     case v1::ClientMessage::kReset:
       return take_enum(from.reset().scope(), ResetScope::kAll, to.emplace<Reset>().scope, "scope", why);
     default:
-      if (take_world_request(from, to) || take_placing_request(from, to) || take_scenario_request(from, to))
+      if (take_world_request(from, to) || take_placing_request(from, to) || take_model_request(from, to) ||
+          take_scenario_request(from, to))
         return true;
       return take_module_request(from, to, why) || (why.empty() && take_part_request(from, to, why));
   }

@@ -156,6 +156,18 @@ ScenarioInfo WorldControl::scenario() {
   return info;
 }
 
+std::vector<std::string> WorldControl::scenes() {
+  return client_->state_->request_as<protocol::SceneList>(protocol::ListScenes{}).scenes;
+}
+
+std::vector<std::string> WorldControl::scenarios() {
+  return client_->state_->request_as<protocol::SceneList>(protocol::ListScenes{}).scenarios;
+}
+
+void WorldControl::load_scene(const std::string& scene) {
+  client_->state_->request(protocol::LoadScene{scene});
+}
+
 std::vector<EventInfo> WorldControl::subscribe_events(EventLevel level) {
   const auto kept = client_->state_->request_as<protocol::EventList>(
       protocol::SubscribeEvents{static_cast<protocol::EventLevel>(level)});

@@ -6,9 +6,9 @@
 //   visum::Part cart = client.part("second");
 //   world.push_body("second/chassis", {20, 0, 0}, 0.5);
 //
-// Lengths are in metres, angles in radians, poses and vectors in the world frame. Everything but the
-// functions about events and scenario() needs the role admin. Calls block for one round trip. The thread
-// rules are those of the Client, and every failure throws visum::Error.
+// Lengths are in metres, angles in radians, poses and vectors in the world frame. Functions need the
+// role admin, unless they say another one. Calls block for one round trip. The thread rules are those of
+// the Client, and every failure throws visum::Error.
 #pragma once
 
 #include <array>
@@ -129,6 +129,13 @@ class WorldControl {
   void stop_scenario();
   // The one that runs, or ran last. Any role.
   ScenarioInfo scenario();
+
+  // Scenes of the server, for load_scene(), and its scenarios. Any role.
+  std::vector<std::string> scenes();
+  std::vector<std::string> scenarios();
+  // Puts another scene in the world's place, and begins a new era at time 0. Parts and leases of the scene
+  // before are gone: ask the Client for the new parts.
+  void load_scene(const std::string& scene);
 
   // Events of at least that level; returns those that happened before. Any role.
   std::vector<EventInfo> subscribe_events(EventLevel level = EventLevel::kInfo);

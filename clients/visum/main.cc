@@ -50,6 +50,8 @@ constexpr Row kVerbs[] = {
     {"joints", "put a model's joints elsewhere", cli::make_joints},
     {"spawn", "bring a model with its parts into a world that runs", cli::make_spawn},
     {"remove", "take a model that was spawned, or a body, out of the world", cli::make_remove},
+    {"scenes", "list the scenes and scenarios that a server has", cli::make_scenes},
+    {"load", "put another scene in the place of the world's", cli::make_load},
     {"fault", "break something on purpose, or end that", cli::make_fault},
     {"faults", "list what can be broken, and what is broken now", cli::make_faults},
     {"check", "say what is wrong with a scene", cli::make_check},

@@ -1,6 +1,7 @@
 // Bytes to plain values. Nothing in a file is trusted: lengths and kinds are checked here, names and numbers
 // by the world that takes the inputs.
 #include "protocol/codec.h"
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/records.h"
 #include "protocol/wire.h"
 #include "recording.pb.h"
@@ -61,14 +62,40 @@ bool take(const v1::PullBody& from, PullBody& to) {
   return take_vector(from.point(), to.point) && take_vector(from.target(), to.target);
 }
 
+config::Files files_of(const google::protobuf::RepeatedPtrField<v1::ReadFile>& from) {
+  config::Files files;
+  for (const auto& file : from) files[file.path()] = file.content();
+  return files;
+}
+
+// For Header and LoadScene.
+template <typename From, typename To>
+void take_packages(const From& from, To& to) {
+  for (const auto& package : from.packages()) to.packages.emplace_back(package.name(), package.folder());
+  to.package_folders.assign(from.package_folders().begin(), from.package_folders().end());
+}
+
 // Null: its pose is not one.
 std::shared_ptr<const SpawnedModel> model_of(const v1::SpawnModel& from) {
   auto model = std::make_shared<SpawnedModel>();
   model->file = from.file();
   model->name = from.name();
   if (!take_vector(from.pose(), model->pose)) return nullptr;
-  for (const auto& file : from.files()) model->files[file.path()] = file.content();
+  model->files = files_of(from.files());
   return model;
+}
+
+// Null: its file is not among those that it was read from.
+std::shared_ptr<const LoadedScene> scene_of(const v1::LoadScene& from) {
+  auto scene = std::make_shared<LoadedScene>();
+  scene->name = from.scene();
+  scene->file = from.scene_file();
+  scene->engine = from.engine();
+  scene->parameters = from.parameters();
+  scene->seed = from.seed();
+  take_packages(from, *scene);
+  scene->files = files_of(from.files());
+  return scene->files.contains(scene->file) ? scene : nullptr;
 }
 
 bool take(const v1::SetParameter& from, SetParameter& to) {
@@ -130,6 +157,9 @@ bool take(const v1::Input& from, Input& to) {
     case v1::Input::kRemoveModel:
       to = RemoveModel{from.remove_model().name()};
       return true;
+    case v1::Input::kLoadScene:
+      to = LoadScene{scene_of(from.load_scene())};
+      return std::get<LoadScene>(to).scene != nullptr;
     case v1::Input::kInjectFault: {
       const auto& w = from.inject_fault();
       to = InjectFault{w.part(), w.kind(), view_of(w.numbers()), w.until_tick()};
@@ -196,8 +226,7 @@ bool decode(Bytes from, Header& to) {
         w.seed(),   w.tick_ns(),    {},        {},         w.parameters()};
   take(w.build(), to.build);
   for (const auto& file : w.files()) to.files.push_back({file.name(), file.size(), file.crc()});
-  for (const auto& package : w.packages()) to.packages.emplace_back(package.name(), package.folder());
-  to.package_folders.assign(w.package_folders().begin(), w.package_folders().end());
+  take_packages(w, to);
   return true;
 }
 

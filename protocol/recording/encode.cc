@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/records.h"
 #include "protocol/wire.h"
 #include "recording.pb.h"
@@ -39,15 +40,40 @@ void put(std::span<const std::byte> from, std::string& to) {
 
 void put(const State& from, v1::State& to);
 
+void put_files(const config::Files& from, google::protobuf::RepeatedPtrField<v1::ReadFile>& to) {
+  for (const auto& [path, content] : from) {
+    auto& entry = *to.Add();
+    entry.set_path(path);
+    entry.set_content(content);
+  }
+}
+
+// For Header and LoadScene.
+template <typename From, typename To>
+void put_packages(const From& from, To& to) {
+  for (const auto& [name, folder] : from.packages) {
+    auto& entry = *to.add_packages();
+    entry.set_name(name);
+    entry.set_folder(folder);
+  }
+  for (const auto& folder : from.package_folders) to.add_package_folders(folder);
+}
+
 void put(const SpawnedModel& from, v1::SpawnModel& to) {
   to.set_file(from.file);
   to.set_name(from.name);
   put_numbers(from.pose, *to.mutable_pose());
-  for (const auto& [path, content] : from.files) {
-    auto& entry = *to.add_files();
-    entry.set_path(path);
-    entry.set_content(content);
-  }
+  put_files(from.files, *to.mutable_files());
+}
+
+void put(const LoadedScene& from, v1::LoadScene& to) {
+  to.set_scene(from.name);
+  to.set_scene_file(from.file);
+  to.set_engine(from.engine);
+  to.set_parameters(from.parameters);
+  to.set_seed(from.seed);
+  put_packages(from, to);
+  put_files(from.files, *to.mutable_files());
 }
 
 struct PutInput {
@@ -122,6 +148,7 @@ struct PutInput {
   void operator()(const RemoveBody& m) const { to.mutable_remove_body()->mutable_name()->assign(m.name); }
   void operator()(const SpawnModel& m) const { put(*m.model, *to.mutable_spawn_model()); }
   void operator()(const RemoveModel& m) const { to.mutable_remove_model()->mutable_name()->assign(m.name); }
+  void operator()(const LoadScene& m) const { put(*m.scene, *to.mutable_load_scene()); }
   void operator()(const InjectFault& m) const {
     auto& w = *to.mutable_inject_fault();
     w.mutable_part()->assign(m.part);
@@ -187,12 +214,7 @@ void encode(const Header& from, std::vector<std::byte>& to) {
     w.set_seed(from.seed);
     w.set_tick_ns(from.tick_ns);
     w.set_parameters(from.parameters);
-    for (const auto& [name, folder] : from.packages) {
-      auto& entry = *w.add_packages();
-      entry.set_name(name);
-      entry.set_folder(folder);
-    }
-    for (const auto& folder : from.package_folders) w.add_package_folders(folder);
+    put_packages(from, w);
     put(from.build, *w.mutable_build());
     for (const auto& file : from.files) {
       auto& entry = *w.add_files();

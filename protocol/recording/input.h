@@ -18,6 +18,7 @@ namespace visum::recording {
 
 struct State;
 struct SpawnedModel;
+struct LoadedScene;
 
 struct WriteInputs {
   std::string_view part;
@@ -104,10 +105,15 @@ struct SpawnModel {
 struct RemoveModel {
   std::string_view name;
 };
+// Another scene took the world's place.
+struct LoadScene {
+  std::shared_ptr<const LoadedScene> scene;  // never null
+};
 
-using Input = std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody,
-                           Reset, TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault,
-                           SetBody, SetJoints, PullBody, ReleaseBody, RestoreState, SpawnModel, RemoveModel>;
+using Input =
+    std::variant<WriteInputs, LoseController, SetParameter, WriteBlackboard, BusTelegram, PushBody, Reset,
+                 TakeSnapshot, RestoreSnapshot, AddBody, RemoveBody, InjectFault, ClearFault, SetBody,
+                 SetJoints, PullBody, ReleaseBody, RestoreState, SpawnModel, RemoveModel, LoadScene>;
 
 // An input, and the tick and era in which the world took it.
 struct TimedInput {

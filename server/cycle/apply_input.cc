@@ -117,6 +117,7 @@ class Applier {
   Outcome operator()(const recording::RemoveModel& input) const {
     return simulation_.remove_model(std::string(input.name));
   }
+  Outcome operator()(const recording::LoadScene& input) const { return simulation_.load_scene(input.scene); }
   Outcome operator()(const recording::InjectFault& input) const {
     const auto part = find(input.part);
     if (!part) return unknown(input.part);

@@ -154,13 +154,6 @@ std::vector<sensors::Sensor*> sensors_of(const BodyChange& change) {
   return measured;
 }
 
-// Engines of plug-ins, and ODE, are made on the tick's thread.
-bool may_make_engines(const scene::Scene& scene) {
-  return std::ranges::all_of(scene.world.engines, [&](const world::EngineSetting& engine) {
-    return engine.name == "impulse" && !plugin::find_engine(scene.plugins, engine.name);
-  });
-}
-
 // Everything that is made of the changed scene.
 void complete(BodyChange& change) {
   const auto& now = change.changed->world;

@@ -45,6 +45,12 @@ std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::si
 
 }  // namespace
 
+bool may_make_engines(const scene::Scene& scene) {
+  return std::ranges::all_of(scene.world.engines, [&](const world::EngineSetting& engine) {
+    return engine.name == "impulse" && !plugin::find_engine(scene.plugins, engine.name);
+  });
+}
+
 std::vector<std::unique_ptr<dynamics::Engine>> make_engines(const scene::Scene& scene) {
   std::vector<std::unique_ptr<dynamics::Engine>> engines;
   for (std::size_t i = 0; i < scene.world.engines.size(); ++i) engines.push_back(make_engine(scene, i));

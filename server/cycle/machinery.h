@@ -35,7 +35,10 @@ struct Machinery {
 // Throws where the scene is wrong (config::ConfigError, std::runtime_error).
 Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors);
 
-// On the tick's thread only, where plug-ins are called. Quick beside make_machinery(), which builds the trees
+// True if any thread may make the engines: those of plug-ins, and ODE, are made on the tick's thread.
+bool may_make_engines(const scene::Scene& scene);
+
+// On the tick's thread, unless may_make_engines(). Quick beside make_machinery(), which builds the trees
 // of meshes. Throws ConfigError where an engine does not exist or does not take the scene.
 std::vector<std::unique_ptr<dynamics::Engine>> make_engines(const scene::Scene& scene);
 

@@ -43,12 +43,16 @@ void load_parts(std::span<BoundPart> parts, hwparts::StateReader& from) {
 }  // namespace
 
 Simulation::Simulation(scene::Scene scene, const PartMaker& make)
+    : Simulation(std::move(scene), make, EnginesMade::kAll) {}
+
+Simulation::Simulation(scene::Scene scene, const PartMaker& make, EnginesMade which)
     : make_(make), scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene)))) {
   make_parts(make_);
   make_sensors();
   make_agents();
   own_parts_ = parts_.size();
-  auto engines = make_engines(*scene_);
+  std::vector<std::unique_ptr<dynamics::Engine>> engines;
+  if (which == EnginesMade::kAll || may_make_engines(*scene_)) engines = make_engines(*scene_);
   auto machinery = make_machinery(*scene_, sensors_);
   machinery.engines = std::move(engines);
   use(machinery);
@@ -59,6 +63,11 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make)
 }
 
 Simulation::~Simulation() = default;
+
+std::unique_ptr<Simulation> make_unstarted(scene::Scene scene, const PartMaker& make) {
+  return std::unique_ptr<Simulation>(
+      new Simulation(std::move(scene), make, Simulation::EnginesMade::kThoseOfAnyThread));
+}
 
 void Simulation::make_parts(const PartMaker& make) {
   for (const auto& plan : scene_->parts) parts_.push_back(make_bound_part(*scene_, plan, make));
@@ -106,7 +115,7 @@ void Simulation::use(Machinery& machinery) {
 void Simulation::start_state() {
   state_ = world::initial_state(scene_->world);
   state_.random = seeded(scene_->seed);
-  state_.engines.resize(engines_.size());
+  state_.engines.resize(scene_->world.engines.size());
   before_ = state_;
   contacts_.clear();
   pushes_.clear();

@@ -37,6 +37,7 @@
 #include "server/cycle/outcome.h"
 #include "server/cycle/phases.h"
 #include "server/cycle/pull.h"
+#include "server/cycle/scene_change.h"
 #include "server/cycle/working.h"
 #include "server/dynamics/coupling.h"
 #include "server/dynamics/engine.h"
@@ -146,6 +147,16 @@ class Simulation {
     return change_now(begin_change({Edit::Kind::kModelCame, {}, std::move(model)}));
   }
 
+  // Another scene in three steps (scene_change.h): begin_load(), prepare() on any thread, and load_scene()
+  // here again. It begins a new era at tick 0, with the clock, pace and threads of the scene before. Drops
+  // snapshots, faults, pushes, pulls, and all that came. Refuses what engines refuse, and with kNoMemory;
+  // then the world goes on as it was.
+  SceneChange begin_load(SceneOrder order) const;
+  Outcome load_scene(SceneChange& change);  // afterwards `change` holds the old world, to be freed
+  // The three steps at once, for a scene that a recording holds.
+  Outcome load_scene(std::shared_ptr<const recording::LoadedScene> scene);
+  std::uint64_t scene_number() const { return scene_number_; }  // of those that the world has had, from 1
+
   // Saves the whole world as it is at this tick border. The world must not be frozen.
   void keep(recording::State& whole) const;
   // Restores what keep() saved in a world of the same scene. Checks everything, since it may come from a
@@ -211,6 +222,11 @@ class Simulation {
   static constexpr std::size_t kMaxEditBytes = std::size_t{16} << 20;
 
  private:
+  // Engines that only the tick's thread may make are left out; they are made when the world is taken.
+  enum class EnginesMade { kAll, kThoseOfAnyThread };
+  Simulation(scene::Scene scene, const PartMaker& make, EnginesMade engines);
+  friend std::unique_ptr<Simulation> make_unstarted(scene::Scene scene, const PartMaker& make);
+
   struct Snapshot {
     std::uint64_t number;
     world::WorldState state;
@@ -228,6 +244,8 @@ class Simulation {
   void exchange_parts(BodyChange& change);
   // Gives the parts of models that came the numbers that their joints have in the scene.
   void bind_joints(const scene::Scene& scene);
+  // Puts everything that belongs to a scene in the place of ours, and ours in its place. Cannot fail.
+  void exchange_world(Simulation& other);
   // Puts bodies, joints and ports to the scene's initial state.
   void start_state();
   // The two halves of a reset: without the observer's being told, and of the time alone.
@@ -341,10 +359,16 @@ class Simulation {
   std::vector<std::string> limited_bodies_;
   Observer *observer_ = nullptr, *second_observer_ = nullptr;
   std::uint64_t next_snapshot_ = 1;
+  std::uint64_t first_snapshot_ = 1;  // that this scene could have
+  std::uint64_t scene_number_ = 1;
   std::uint64_t era_ = 1;
   std::uint64_t revision_ = 1;
   std::string fault_;
   mutable std::vector<std::byte> scratch_;  // for state_hash()
 };
+
+// For prepare() of a SceneChange: the world of a scene, but for engines that only the tick's thread may make.
+// Throws what the constructor throws.
+std::unique_ptr<Simulation> make_unstarted(scene::Scene scene, const PartMaker& make);
 
 }  // namespace visum::cycle

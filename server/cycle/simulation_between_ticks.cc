@@ -29,9 +29,9 @@ void Simulation::lose_controller(std::size_t part) {
 
 Outcome Simulation::set_parameter(std::size_t part, const std::string& name,
                                   const protocol::ParameterValue& value) {
-  if (auto outcome = outcome_of(parts_[part].part->set_parameter(name, value)); !outcome.done())
-    return outcome;
-  tell(now(), recording::SetParameter{name_of(part), name, value});
+  const auto set = parts_[part].part;  // one that steers a recording may bring another scene
+  if (auto outcome = outcome_of(set->set_parameter(name, value)); !outcome.done()) return outcome;
+  tell(now(), recording::SetParameter{set->description().name, name, value});
   return {};
 }
 
@@ -119,8 +119,11 @@ void Simulation::forget_ticks() {
 
 Outcome Simulation::restore_snapshot(std::uint64_t number) {
   const auto found = std::ranges::find(snapshots_, number, &Snapshot::number);
-  if (found == snapshots_.end())
-    return {Refusal::kUnknownName, "there is no snapshot " + std::to_string(number)};
+  if (found == snapshots_.end()) {
+    const bool of_before = number > 0 && number < first_snapshot_;
+    return {Refusal::kUnknownName, "there is no snapshot " + std::to_string(number) +
+                                       (of_before ? ": those of the scene before went with it" : "")};
+  }
   const auto before = now();
   if (auto outcome = load_all(found->state, found->rest); !outcome.done()) return outcome;
   pulls_.clear();  // whoever held them has let go

@@ -56,7 +56,7 @@ Role role_needed(const protocol::Request& request) {
         if constexpr (kIsOneOf<T, Status, ListParts, DescribePart, Read, Subscribe, Unsubscribe,
                                GetParameters, ReadBlackboard, DescribeWorld, ReadWorld, SubscribeWorld,
                                UnsubscribeWorld, ReadMesh, ReadTexture, ListFaults, SubscribeEvents,
-                               UnsubscribeEvents, ListModels, ListModules, ReadScenario>)
+                               UnsubscribeEvents, ListModels, ListModules, ListScenes, ReadScenario>)
           return Role::kObserver;
         else if constexpr (kIsOneOf<T, AcquireLease, ReleaseLease, Write, SetParameter, WriteBlackboard, Join,
                                     Advance, Leave, Note, Announce, AnnounceModules, ReportModules,
@@ -75,7 +75,8 @@ bool needs_world(const protocol::Request& request) {
         using T = std::decay_t<decltype(message)>;
         return kIsOneOf<T, Pause, Resume, Step, SetSpeed, Reset, TakeSnapshot, RestoreSnapshot, PushBody,
                         AddBody, RemoveBody, InjectFault, ClearFault, SetBody, SetJoints, PullBody,
-                        ReleaseBody, StartRecording, StopRecording, SpawnModel, RemoveModel, ListModels>;
+                        ReleaseBody, StartRecording, StopRecording, SpawnModel, RemoveModel, ListModels,
+                        ListScenes, LoadScene>;
       },
       request);
 }

@@ -1,11 +1,15 @@
 #include "server/gateway/body_changes.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <system_error>
 
+#include "server/bus/address.h"
 #include "server/cycle/attempt.h"
 #include "server/gateway/model_files.h"
+#include "server/gateway/scene_files.h"
 
 namespace visum::gateway {
 namespace {
@@ -61,7 +65,8 @@ bool BodyChanges::takes(const protocol::Request& request) {
   const auto* reset = std::get_if<Reset>(&request);
   const auto* taken = std::get_if<protocol::TakeSnapshot>(&request);
   const auto* restored = std::get_if<protocol::RestoreSnapshot>(&request);
-  return (is_about_bodies(request) && !reset) || std::holds_alternative<protocol::StartRecording>(request) ||
+  return (is_about_bodies(request) && !reset) || std::holds_alternative<protocol::LoadScene>(request) ||
+         std::holds_alternative<protocol::StartRecording>(request) ||
          std::holds_alternative<protocol::StopRecording>(request) || (taken && !taken->name.empty()) ||
          (restored && !restored->name.empty()) ||
          (reset && (reset->scope == ResetScope::kSpawned || reset->scope == ResetScope::kAll));
@@ -97,6 +102,7 @@ bool BodyChanges::start() {
 }
 
 void BodyChanges::begin_job(const protocol::Request& request) {
+  if (const auto* load = std::get_if<protocol::LoadScene>(&request)) return begin_scene(load->scene);
   if (!is_about_bodies(request) && !archive_) throw std::runtime_error("this server keeps no files");
   if (const auto* taken = std::get_if<protocol::TakeSnapshot>(&request)) {
     job_->kind = Kind::kSave;
@@ -127,6 +133,15 @@ void BodyChanges::begin_job(const protocol::Request& request) {
   }
 }
 
+void BodyChanges::begin_scene(const std::string& name) {
+  if (const auto why = refuses_scene_(); !why.empty()) throw std::runtime_error(why);
+  auto order = scenes_;
+  order.file = scene_file(models_, name);
+  job_->kind = Kind::kScene;
+  job_->scene = simulation_.begin_load(std::move(order));
+  job_->revision = simulation_.revision() + 1;
+}
+
 void BodyChanges::start_thread() try {
   thread_ = std::thread([this] { run(); });
 } catch (const std::system_error&) {
@@ -142,6 +157,21 @@ cycle::Outcome BodyChanges::prepare_bodies(Job& job) {
   });
 }
 
+// Its field buses would have to be opened while the world runs.
+cycle::Outcome BodyChanges::prepare_scene(Job& job) {
+  auto outcome = cycle::prepare(job.scene);
+  if (!outcome.done()) return outcome;
+  return cycle::attempt(Refusal::kWrongState, [&] {
+    const auto& scene = std::as_const(*job.scene.world).scene();
+    if (!bus::scene_buses(scene).empty())
+      throw std::runtime_error("the scene '" + scene.name +
+                               "' has field buses, which open with the server alone: start one with it");
+    job.view = std::make_unique<WorldView>(describe_world(scene, job.revision));
+    job.origin = recording::origin_of(*job.scene.loaded);
+    for (const auto& loss : scene.losses) spdlog::warn("{}", loss);
+  });
+}
+
 // Bodies and models that came before the snapshot was taken are read here, where no tick waits for them.
 cycle::Outcome BodyChanges::load(Job& job) {
   auto outcome =
@@ -153,6 +183,8 @@ cycle::Outcome BodyChanges::load(Job& job) {
 
 cycle::Outcome BodyChanges::prepare(Job& job) {
   switch (job.kind) {
+    case Kind::kScene:
+      return prepare_scene(job);
     case Kind::kSave:
       return cycle::attempt(Refusal::kWrongState, [&] { archive_->save(simulation_, job.name, job.state); });
     case Kind::kLoad:
@@ -199,6 +231,11 @@ cycle::Outcome BodyChanges::act(Job& job, Command& command) {
       command.view = std::move(job.view);
       return {};
     }
+    case Kind::kScene:
+      if (auto outcome = simulation_.load_scene(job.scene); !outcome.done()) return outcome;
+      if (archive_) archive_->swap_origin(job.origin);
+      command.view = std::move(job.view);
+      return {};
     case Kind::kBodies:
       break;
   }

@@ -1,7 +1,7 @@
 // Carries out what takes longer than a tick has, one after the other, in the order in which it came: bodies
-// and models that come and go, resets of what was spawned, snapshots on disk, and recordings that begin and
-// end. A thread of its own makes each change ready, or completes it, so that neither the tick nor the
-// sessions wait for a disk or for the reading of a body. The tick's side takes it between two ticks.
+// and models that come and go, another scene, resets of what was spawned, snapshots on disk, and recordings
+// that begin and end. A thread of its own makes each change ready, or completes it, so that neither the tick
+// nor the sessions wait for a disk or for the reading of a body. The tick's side takes it between two ticks.
 #pragma once
 
 #include <atomic>
@@ -38,8 +38,14 @@ class BodyChanges {
   // `wake` is called on the thread when a change is ready. Before the first command.
   void on_ready(std::function<void()> wake) { wake_ = std::move(wake); }
 
-  // Where the installation's models lie. Before the first command.
-  void serve_models(std::filesystem::path folder) { models_ = std::move(folder); }
+  // Where the installation's models and scenes lie, and how its scenes are read (`scenes`, without a file).
+  // Before the first command.
+  void serve_models(std::filesystem::path folder, cycle::SceneOrder scenes) {
+    models_ = std::move(folder);
+    scenes_ = std::move(scenes);
+  }
+  // `why` says at each load why no other scene may come; empty: one may. Before the first command.
+  void refuse_scenes(std::function<std::string()> why) { refuses_scene_ = std::move(why); }
   // On another thread, while the tick's thread is abandoned: completes the recording that a client started.
   void close_recording();
 
@@ -64,10 +70,12 @@ class BodyChanges {
   std::optional<Finished> finish();
 
  private:
-  enum class Kind { kBodies, kSave, kLoad, kRecord, kFirstState, kEndRecording };
+  enum class Kind { kBodies, kScene, kSave, kLoad, kRecord, kFirstState, kEndRecording };
   struct Job {
     Kind kind = Kind::kBodies;
     cycle::BodyChange change;
+    cycle::SceneChange scene;
+    recording::Origin origin;  // of that scene; once it is taken, of the one before
     cycle::Outcome outcome;
     std::uint64_t revision = 0;       // of the changed world
     std::unique_ptr<WorldView> view;  // of the changed world
@@ -82,21 +90,25 @@ class BodyChanges {
   bool start();
   // The part of start() on the tick's thread, for the first command. Throws where it cannot be done.
   void begin_job(const protocol::Request& request);
+  void begin_scene(const std::string& name);
   void start_thread();
   // The thread's part of a job.
   cycle::Outcome prepare(Job& job);
   // The tick's part of a job that is ready.
   cycle::Outcome act(Job& job, Command& command);
   cycle::Outcome prepare_bodies(Job& job);
+  cycle::Outcome prepare_scene(Job& job);
   cycle::Outcome load(Job& job);
   void run();
 
   cycle::Simulation& simulation_;
-  recording::Archive* const archive_;
+  recording::Archive* const archive_;              // where there is one: the thread's while a job is its own
   std::unique_ptr<recording::Recorder> recorder_;  // that clients started
   std::function<void()> wake_ = [] {};
   std::vector<std::unique_ptr<Command>> commands_;  // in their order; the first one is being made ready
   std::filesystem::path models_;
+  cycle::SceneOrder scenes_;
+  std::function<std::string()> refuses_scene_ = [] { return std::string(); };
   std::shared_ptr<Job> job_;  // the thread's from start() until it is ready
   std::atomic<bool> ready_{false}, ending_{false};
   std::binary_semaphore wanted_{0};

@@ -65,10 +65,11 @@ struct DaemonOptions {
   std::function<void(std::chrono::steady_clock::time_point)> wait;
   const recording::FlightRecorder* flight = nullptr;  // writes down how it froze; must outlive the daemon
   LogTap* log = nullptr;                              // the log's lines for clients; null: they hear of none
-  std::filesystem::path models;                       // folder of models that clients may spawn; empty: none
-  recording::Archive* archive = nullptr;              // named snapshots and recordings; null: there are none
-  config::Profile* profile = nullptr;                 // measures the tick's thread; must outlive the daemon
-  Playback* playback = nullptr;  // a recording, whose world this is; must outlive the daemon
+  std::filesystem::path models;  // folder of the installation's models, scenes and scenarios; empty: none
+  cycle::SceneOrder scenes;      // how those scenes are read that clients load, without a file
+  recording::Archive* archive = nullptr;  // named snapshots and recordings; null: there are none
+  config::Profile* profile = nullptr;     // measures the tick's thread; must outlive the daemon
+  Playback* playback = nullptr;           // a recording, whose world this is; must outlive the daemon
   // On the tick's thread, at each copy of the world for the sessions: puts another server's world into it.
   std::function<void(Published&)> show;
 };

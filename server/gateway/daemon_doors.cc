@@ -69,7 +69,12 @@ DaemonDoors::DaemonDoors(cycle::Simulation& the_simulation, const DaemonOptions&
           options.http.page.empty() ? PageFiles() : PageFiles(options.http.page), gateway,
           [this] { return server.refused(); }, options.playback),
       server({options.address, options.port, {}, web_options(options.http, web), options.tls}, gateway) {
-  tick_side.serve_models(options.models);
+  tick_side.serve_models(options.models, options.scenes);
+  tick_side.refuse_scenes([this] {
+    return buses.are_open() ? "the field buses of this scene are open, so no other scene can take its place: "
+                              "start a server with that scene"
+                            : std::string();
+  });
   tick_side.on_parts_changed([this](const PartTable& table) {
     if (stop_door) stop_door->set_parts(names_of(table));
   });

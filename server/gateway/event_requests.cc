@@ -40,6 +40,9 @@ struct Told {
   std::pair<std::string, std::string> operator()(const protocol::RemoveModel& removed) const {
     return {"remove", "the model '" + removed.name + "' went"};
   }
+  std::pair<std::string, std::string> operator()(const protocol::LoadScene& loaded) const {
+    return {"load", "the scene '" + loaded.scene + "' was loaded"};
+  }
   std::pair<std::string, std::string> operator()(const protocol::StartRecording& recording) const {
     return {"recording", "recording '" + recording.name + "' has begun"};
   }

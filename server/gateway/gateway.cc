@@ -58,6 +58,7 @@ Gateway::Gateway(StaticWorld world, Tokens tokens, Mailbox& mailbox, StopLatch& 
       events_(clients_, log),
       scenarios_(world_, clients_),
       modules_(clients_),
+      scenes_(world_, commands_),
       server_(world_, mailbox, clients_, lockstep_, pacer, buses, parts_) {
   clients_.feed().set_world(world_.tick_ns, world_.server.substr(0, world_.server.find(' ')));
 }
@@ -90,12 +91,10 @@ void Gateway::follow_parts() {
   if (!now_->table || now_->table == world_.table) return;
   const auto before = world_.table;
   world_.use(now_->table);
-  std::vector<std::uint32_t> changed;
-  for (std::uint32_t part = 0; part < world_.parts.size(); ++part)
-    if (part >= before->slots.size() || before->slots[part].generation != world_.generation(part))
-      changed.push_back(part);
+  const auto changed = changed_parts(*before, *world_.table);
   parts_.follow(*before, changed, *now_);
   streams_.forget_parts(changed);
+  lockstep_.forget_parts(changed);
 }
 
 void Gateway::look_at_world() {
@@ -144,7 +143,7 @@ void Gateway::dispatch(Client& client, std::uint64_t id, const protocol::Request
   std::visit(
       [&](const auto& message) {
         hand_over(call, message, parts_, settings_, streams_, lockstep_, time_, bodies_, placing_, faults_,
-                  events_, scenarios_, modules_, server_);
+                  events_, scenarios_, modules_, scenes_, server_);
       },
       request);
   // A command that waits for the tick is counted by finish_commands().
@@ -285,7 +284,13 @@ void Gateway::follow_eras() {
     client.step_until = now.tick;
     lockstep_.begin_cycle_with(*client.session, client.backlog.front().second);
   }
-  clients_.broadcast({"era", "the world was reset or restored", {}, now.era, now.tick});
+  const bool loaded = std::exchange(scene_told_, now.table->scene_number) != now.table->scene_number;
+  clients_.broadcast(
+      {"era",
+       loaded ? "the scene '" + now.table->scene + "' was loaded" : "the world was reset or restored",
+       {},
+       now.era,
+       now.tick});
 }
 
 void Gateway::finish_commands() {

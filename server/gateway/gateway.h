@@ -28,6 +28,7 @@
 #include "server/gateway/placing_requests.h"
 #include "server/gateway/published.h"
 #include "server/gateway/scenario_requests.h"
+#include "server/gateway/scene_requests.h"
 #include "server/gateway/server_requests.h"
 #include "server/gateway/static_world.h"
 #include "server/gateway/streams.h"
@@ -149,9 +150,11 @@ class Gateway : public protocol::SessionHandler {
   EventRequests events_;
   ScenarioRequests scenarios_;
   ModuleRequests modules_;
+  SceneRequests scenes_;
   ServerRequests server_;
   bool frozen_ = false;
   std::uint64_t freezes_ = 0;
+  std::uint64_t scene_told_ = 1;  // the number of the scene of which the clients know
   bool relieved_ = false;
   config::Profile* profile_ = nullptr;
   protocol::ClientLog stop_log_{"emergency stops"};  // anybody may pull them, as often as he likes

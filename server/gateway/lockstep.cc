@@ -1,5 +1,6 @@
 #include "server/gateway/lockstep.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -232,6 +233,12 @@ void Lockstep::leave(std::uint64_t session, const Published& now) {
   for (auto& [id, client] : clients_.all())
     if (client.step_until && gates_.gate_of(*client.session) == member) client.step_until = now.tick;
   members_.leave(session);
+}
+
+void Lockstep::forget_parts(std::span<const std::uint32_t> gone) {
+  for (auto& member : members_.all())
+    std::erase_if(member.parts,
+                  [&](std::uint32_t part) { return std::ranges::find(gone, part) != gone.end(); });
 }
 
 std::span<const std::uint32_t> Lockstep::parts_commanded_by(std::uint64_t session) const {

@@ -78,6 +78,8 @@ class Lockstep {
   std::optional<std::int64_t> next_answer() const { return members_.next_answer(); }
   // A reset or restore: all members stand at this tick, and cycles begin anew.
   void begin_era(const Published& now);
+  // These parts went: no member's program commands them any more.
+  void forget_parts(std::span<const std::uint32_t> gone);
   // Parts that the session's program commands over their buses.
   std::span<const std::uint32_t> parts_commanded_by(std::uint64_t session) const;
   // The session is gone.

@@ -48,19 +48,23 @@ bool stays_below(const std::string& path) {
 
 }  // namespace
 
-std::vector<std::string> models_in(const fs::path& folder) {
-  std::vector<std::string> models;
+std::vector<std::string> files_in(const fs::path& folder, bool (*is_one)(const fs::path& file)) {
+  std::vector<std::string> found;
   std::error_code error;
   fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
   for (std::size_t seen = 0; !error && at != fs::recursive_directory_iterator() && seen < kMostEntries;
        at.increment(error), ++seen) {
     if (at.depth() >= kDeepest) at.disable_recursion_pending();
     std::error_code none;
-    if (models.size() < kMostModels && at->is_regular_file(none) && is_model(at->path()))
-      models.push_back(at->path().lexically_relative(folder).string());
+    if (found.size() < kMostListed && at->is_regular_file(none) && is_one(at->path()))
+      found.push_back(at->path().lexically_relative(folder).string());
   }
-  std::ranges::sort(models);
-  return models;
+  std::ranges::sort(found);
+  return found;
+}
+
+std::vector<std::string> models_in(const fs::path& folder) {
+  return files_in(folder, &is_model);
 }
 
 fs::path find_models_folder() {

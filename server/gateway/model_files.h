@@ -11,10 +11,14 @@
 
 namespace visum::gateway {
 
-inline constexpr std::size_t kMostModels = 1000;  // of the installation
+inline constexpr std::size_t kMostListed = 1000;  // of a folder
 
-// The models in a folder and in those below it, as paths relative to it, sorted: robots' files, and files of
-// the scene format with a parameter `name`. Reads the folder; what cannot be read is left out.
+// The files of one kind in a folder and in those below it, as paths relative to it, sorted. Reads the folder;
+// what cannot be read is left out.
+std::vector<std::string> files_in(const std::filesystem::path& folder,
+                                  bool (*is_one)(const std::filesystem::path& file));
+
+// The models: robots' files, and files of the scene format with a parameter `name`.
 std::vector<std::string> models_in(const std::filesystem::path& folder);
 
 // The models that lie beside this program: installed (../share/visum/models), or in the source tree of a

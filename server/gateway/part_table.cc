@@ -18,25 +18,39 @@ class NoPart final : public IdlePart {
 
 }  // namespace
 
+std::vector<std::uint32_t> changed_parts(const PartTable& before, const PartTable& now) {
+  std::vector<std::uint32_t> changed;
+  for (std::uint32_t part = 0; part < now.slots.size(); ++part)
+    if (part >= before.slots.size() || before.slots[part].part != now.slots[part].part)
+      changed.push_back(part);
+  return changed;
+}
+
 std::shared_ptr<const hwparts::Part> no_part() {
   static const auto none = std::make_shared<const NoPart>();
   return none;
 }
 
-std::size_t PartNumbers::most() const {
-  return simulation_.own_parts() + scene::kMaxSpawnedParts;
+PartNumbers::PartNumbers(const cycle::Simulation& simulation)
+    : simulation_(simulation),
+      most_(std::max(simulation.own_parts(), cycle::SceneChange::kMostParts) + scene::kMaxSpawnedParts) {
+  follow();
 }
 
 bool PartNumbers::follow() {
   const auto parts = simulation_.parts();
   const auto same = [&](std::size_t i) { return table_->slots[table_->slot_of[i]].part == parts[i].part; };
-  bool unchanged = table_ && table_->slot_of.size() == parts.size();
+  bool unchanged =
+      table_ && table_->scene_number == simulation_.scene_number() && table_->slot_of.size() == parts.size();
   for (std::size_t i = 0; unchanged && i < parts.size(); ++i) unchanged = same(i);
   if (unchanged) return false;
   auto next = table_ ? std::make_shared<PartTable>(*table_) : std::make_shared<PartTable>();
   for (auto& slot : next->slots)
     if (slot.part != no_part() && std::ranges::find(parts, slot.part, &cycle::BoundPart::part) == parts.end())
       slot = {no_part(), {}, slot.generation + 1};
+  next->scene_number = simulation_.scene_number();
+  next->scene = simulation_.scene().name;
+  next->lockstep_timeout = std::chrono::nanoseconds(simulation_.scene().lockstep_timeout_ns);
   next->slot_of.clear();
   index_.assign(most(), std::nullopt);
   for (const auto& bound : parts) {

@@ -3,6 +3,7 @@
 // that is free again may be given anew, with another generation.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,19 +23,26 @@ struct PartTable {
   };
   std::vector<Slot> slots;
   std::vector<std::uint32_t> slot_of;  // by number in Simulation::parts()
+  std::uint64_t scene_number = 0;      // of the world's scene: another number, another scene
+  std::string scene;                   // its name
+  std::chrono::nanoseconds lockstep_timeout{};
 };
+
+// The numbers of `now` that mean another part than in `before`, or none where one was, or one where none was.
+std::vector<std::uint32_t> changed_parts(const PartTable& before, const PartTable& now);
 
 // Stands where no part is: it has no name, no ports and no joints.
 std::shared_ptr<const hwparts::Part> no_part();
 
-// Gives out the numbers. The scene's own parts have those that they have in the Simulation; the others get
-// the lowest free ones. Lives on the tick's thread, owned by the TickSide.
+// Gives out the numbers. The scene's own parts have those that they have in the Simulation, also after
+// another scene was loaded; the others get the lowest free ones. Lives on the tick's thread, owned by the
+// TickSide.
 class PartNumbers {
  public:
-  explicit PartNumbers(const cycle::Simulation& simulation) : simulation_(simulation) { follow(); }
+  explicit PartNumbers(const cycle::Simulation& simulation);
 
-  // How many numbers there can be.
-  std::size_t most() const;
+  // How many numbers there can be, whatever scene is loaded.
+  std::size_t most() const { return most_; }
   // Looks at the parts that there are now; true: they are others than before.
   bool follow();
   const std::shared_ptr<const PartTable>& table() const { return table_; }
@@ -45,6 +53,7 @@ class PartNumbers {
 
  private:
   const cycle::Simulation& simulation_;
+  const std::size_t most_;
   std::shared_ptr<const PartTable> table_;
   std::vector<std::optional<std::uint32_t>> index_;  // by slot: its number in Simulation::parts()
 };

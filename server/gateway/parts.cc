@@ -51,6 +51,7 @@ Parts::Parts(const StaticWorld& world, Mailbox& mailbox, Clients& clients, Input
 
 void Parts::follow(const PartTable& before, std::span<const std::uint32_t> changed, const Published& now) {
   const auto count = world_.parts.size();
+  const std::string with = before.scene_number == world_.table->scene_number ? "its model" : "its scene";
   leases_.grow(count);
   stops_.resize(count);
   latched_.resize(count);
@@ -60,7 +61,7 @@ void Parts::follow(const PartTable& before, std::span<const std::uint32_t> chang
       const auto owner = leases_.of(part).owner;
       leases_.free(part);
       ++lease_losses_;
-      clients_.broadcast({"lease_lost", "the part that '" + owner + "' commanded went with its model",
+      clients_.broadcast({"lease_lost", "the part that '" + owner + "' commanded went with " + with,
                           before.slots[part].part->description().name, clients_.known_era(), now.tick});
     }
     stops_[part] = {};

@@ -4,6 +4,8 @@ namespace visum::gateway {
 
 void StaticWorld::use(std::shared_ptr<const PartTable> other) {
   table = std::move(other);
+  scene = table->scene;
+  lockstep_timeout = table->lockstep_timeout;
   parts.clear();
   agents.clear();
   for (const auto& slot : table->slots) {
@@ -14,13 +16,10 @@ void StaticWorld::use(std::shared_ptr<const PartTable> other) {
 
 StaticWorld static_world(const cycle::Simulation& simulation) {
   const auto& scene = simulation.scene();
-  StaticWorld world{scene.name,
-                    scene.clock,
-                    scene.world.tick_ns,
-                    std::chrono::nanoseconds(scene.lockstep_timeout_ns),
-                    {},
-                    {},
-                    std::make_shared<const WorldView>(describe_world(scene, simulation.revision()))};
+  StaticWorld world;
+  world.clock = scene.clock;
+  world.tick_ns = scene.world.tick_ns;
+  world.view = std::make_shared<const WorldView>(describe_world(scene, simulation.revision()));
   world.working = &simulation.working();
   world.use(PartNumbers(simulation).table());
   return world;

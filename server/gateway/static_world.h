@@ -16,9 +16,9 @@
 
 namespace visum::gateway {
 
-// Made before the first session, and constant from then on but for the parts, which the Gateway renews on the
-// sessions' thread when models come and go. WorldRequests keeps the description that is valid now, and begins
-// with `view`.
+// Made before the first session, and constant from then on but for scene and parts, which the Gateway renews
+// on the sessions' thread when models come and go and when another scene is loaded. WorldRequests keeps the
+// description that is valid now, and begins with `view`.
 struct StaticWorld {
   std::string scene;
   scene::ClockKind clock = scene::ClockKind::kRealtime;
@@ -35,7 +35,7 @@ struct StaticWorld {
   std::string server{};                      // this program and its version, "visumd 0.2.0"
   const cycle::Working* working = nullptr;   // the simulation's
   std::shared_ptr<const PartTable> table{};  // of which `parts` and `agents` are
-  std::filesystem::path models{};            // the folder of the server's models; empty: there is none
+  std::filesystem::path models{};            // see DaemonOptions
 
   std::uint32_t generation(std::uint32_t part) const { return table->slots[part].generation; }
   // Takes over another table.

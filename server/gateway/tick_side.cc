@@ -25,7 +25,12 @@ TickSide::TickSide(cycle::Simulation& simulation, Mailbox& mailbox, bool running
   simulation.release_all_of(0);  // pulls of a world that goes on from a recording: nobody holds them
   inputs_.reserve(Mailbox::kInputs);
   done_.reserve(Mailbox::kCommands);
-  for (const auto& bound : simulation.parts())
+  find_nodes();
+}
+
+void TickSide::find_nodes() {
+  nodes_.clear();
+  for (const auto& bound : std::as_const(simulation_).parts())
     if (bound.part->node_fault()) nodes_.push_back({bound.part.get()});
 }
 
@@ -33,9 +38,8 @@ void TickSide::follow_parts() {
   const auto before = numbers_.table();
   if (!numbers_.follow()) return;
   const auto& now = *numbers_.table();
-  for (std::uint32_t part = 0; part < now.slots.size(); ++part) {
-    const bool known = part < before->slots.size();
-    if (known && before->slots[part].generation == now.slots[part].generation) continue;
+  if (before->scene_number != now.scene_number) find_nodes();
+  for (const auto part : changed_parts(*before, now)) {
     watches_[part] = {};
     trips_[part] = now.slots[part].part->trips();
   }
@@ -214,7 +218,8 @@ void TickSide::apply_push(const Input& input) {
 
 void TickSide::check_deadlines() {
   const auto now = simulation_.tick_count();
-  for (std::uint32_t part = 0; part < watches_.size(); ++part) {
+  const auto count = numbers_.table()->slots.size();
+  for (std::uint32_t part = 0; part < count; ++part) {
     const auto& watch = watches_[part];
     if (watch.deadline_ticks != 0 && now - watch.last_tick > watch.deadline_ticks)
       take_from_controller(part, Notice::Kind::kDeadlineMissed);

@@ -91,8 +91,11 @@ class TickSide {
   // True once after a notice or a finished Step was given to the sessions' side, which then has to send it.
   bool has_told() { return std::exchange(told_, false); }
 
-  // Where the installation's models lie.
-  void serve_models(std::filesystem::path folder) { changes_.serve_models(std::move(folder)); }
+  // See BodyChanges.
+  void serve_models(std::filesystem::path folder, cycle::SceneOrder scenes) {
+    changes_.serve_models(std::move(folder), std::move(scenes));
+  }
+  void refuse_scenes(std::function<std::string()> why) { changes_.refuse_scenes(std::move(why)); }
   // The numbers of the parts. `changed` is called on the tick's thread when models come or go.
   const std::shared_ptr<const PartTable>& part_table() const { return numbers_.table(); }
   void on_parts_changed(std::function<void(const PartTable&)> changed) {
@@ -128,8 +131,10 @@ class TickSide {
   bool is_too_old(const Input& write) const;
   void apply_fault(const Input& input, std::uint32_t part);
   void apply_push(const Input& input);
-  // Models may have come or gone: gives their parts numbers.
+  // Models may have come or gone, or another scene: gives their parts numbers.
   void follow_parts();
+  // Looks for nodes of plug-ins among the parts.
+  void find_nodes();
   // The part that the command is about; null: it is gone, and the command's reply says so.
   cycle::BoundPart* part_or_fail(Command& command);
   std::size_t number_of(const cycle::BoundPart& bound) const {

@@ -85,10 +85,13 @@ void TickSide::finish_changes() {
     auto& [command, outcome, reply] = *finished;
     command->reply = outcome.done() ? std::move(reply) : Reply(error_of(outcome));
     follow_parts();
-    if (outcome.done() && goes_back(command->request)) {
+    const bool loaded = std::holds_alternative<protocol::LoadScene>(command->request);
+    if (outcome.done() && (loaded || goes_back(command->request))) {
       time_went_back();
-      holders_.clear();                                       // what they moved moves as the state says
-      for (const auto part : stopped_meanwhile_) stop(part);  // it has undone these stops
+      holders_.clear();  // what they moved moves as the state says
+      // It has undone these stops. The parts of another scene are others.
+      if (!loaded)
+        for (const auto part : stopped_meanwhile_) stop(part);
     }
     if (!changes_.under_way()) stopped_meanwhile_.clear();
     done_.push_back(std::move(command));

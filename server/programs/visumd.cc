@@ -77,7 +77,7 @@ struct Options {
   std::string try_record;              // as `record`, but may fail
   std::string dump = state_folder();   // folder for the ticks before a freeze; or "off"
   std::string files = state_folder();  // folder for named snapshots and recordings that clients ask for
-  std::string models;                  // folder of models to spawn; empty: the installation's
+  std::string models;                  // folder of models, scenes and scenarios; empty: the installation's
   std::string rewound;                 // a recording to continue, instead of a scene
   std::string used_files;              // a file for the list of what the scene was read from; empty: none
   std::string profile;                 // a file; empty: nothing is measured
@@ -143,6 +143,8 @@ int run(Options options) {
   options.of_daemon.archive = &archive;
   options.of_daemon.models =
       options.models.empty() ? gateway::find_models_folder() : std::filesystem::path(options.models);
+  options.of_daemon.scenes = {{}, origin.engine, {}, origin.packages};
+  if (options.seed >= 0) options.of_daemon.scenes.seed = static_cast<std::uint64_t>(options.seed);
   std::optional<recording::FlightRecorder> flight;
   if (!options.record.empty() || !options.try_record.empty())
     log.emplace();
@@ -197,7 +199,8 @@ void declare_world(CLI::App& app, Options& options, std::string_view verb) {
                  "$STATE_DIRECTORY, or the working directory")
       ->type_name("FOLDER");
   app.add_option("--models", options.models,
-                 "folder of the models that clients may spawn by name. Default: the installation's models")
+                 "folder of the models that clients may spawn by name, with the scenes that they may load in "
+                 "its folder scenes, and the scenarios in scenarios. Default: the installation's models")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
   if (verb == "rewind") {

@@ -21,8 +21,10 @@ class Archive {
  public:
   static constexpr std::size_t kMostSnapshots = 256;  // files
 
-  // `origin` must outlive it.
-  Archive(std::filesystem::path folder, const Origin& origin) : folder_(std::move(folder)), origin_(origin) {}
+  Archive(std::filesystem::path folder, Origin origin)
+      : folder_(std::move(folder)), origin_(std::move(origin)) {}
+  // From now on the world is one of another scene. `origin` becomes the one before.
+  void swap_origin(Origin& origin) { std::swap(origin_, origin); }
 
   // Replaces an older snapshot of that name. `state` is of this world, without the snapshots that it keeps.
   void save(const cycle::Simulation& simulation, const std::string& name, const State& state) const;
@@ -39,7 +41,7 @@ class Archive {
  private:
   void make_folder() const;
   std::filesystem::path folder_;
-  const Origin& origin_;
+  Origin origin_;
 };
 
 }  // namespace visum::recording

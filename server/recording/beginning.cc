@@ -33,6 +33,13 @@ Header header_of(const scene::Scene& scene, const Origin& origin) {
 
 }  // namespace
 
+Origin origin_of(const LoadedScene& scene) {
+  Origin origin{scene.files, scene.engine, scene.parameters, true, {}};
+  for (const auto& [name, folder] : scene.packages) origin.packages.given[name] = folder;
+  origin.packages.folders.assign(scene.package_folders.begin(), scene.package_folders.end());
+  return origin;
+}
+
 Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation, const Origin& origin) {
   Channels channels;
   std::vector<std::byte> bytes;

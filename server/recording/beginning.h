@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/config/read_file.h"
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/mcap_writer.h"
 #include "server/cycle/simulation.h"
 
@@ -20,6 +21,9 @@ struct Origin {
   bool has_past = false;  // the world has left the scene's initial state: a recording begins with its state
   scene::Packages packages{};  // with those of the environment
 };
+
+// The same for a scene that took the place of the first one.
+Origin origin_of(const LoadedScene& scene);
 
 // The channels' numbers in the file.
 struct Channels {

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "protocol/config/printable.h"
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/reset_scope_words.h"
 #include "protocol/recording/spawned_model.h"
 
@@ -78,6 +79,9 @@ struct Teller {
   }
   Words operator()(const RemoveModel& gone) const {
     return {"remove", "the model '" + std::string(gone.name) + "' went"};
+  }
+  Words operator()(const LoadScene& loaded) const {
+    return {"load", "the scene '" + loaded.scene->name + "' was loaded"};
   }
   Words operator()(const InjectFault& fault) const {
     std::string text(fault.kind);

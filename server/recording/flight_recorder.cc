@@ -55,7 +55,18 @@ void FlightRecorder::forget() {
   now_.in_use = before_.in_use = false;
 }
 
+// A file holds the ticks of one scene.
+void FlightRecorder::begin_scene(const LoadedScene& scene) {
+  dump_.clear();
+  forget();
+  origin_ = origin_of(scene);
+  parts_changed();
+  revision_ = simulation_.revision();
+  begin_half();
+}
+
 void FlightRecorder::took(const TimedInput& input) try {
+  if (const auto* loaded = std::get_if<LoadScene>(&input.input)) return begin_scene(*loaded->scene);
   if (simulation_.frozen()) return;
   if (!now_.in_use) {  // a frozen world runs again: this input revived it
     dump_.clear();

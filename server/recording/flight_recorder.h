@@ -53,6 +53,7 @@ class FlightRecorder : public cycle::Observer {
   // The present half becomes the one before; the older one is overwritten.
   void begin_half();
   void forget();
+  void begin_scene(const LoadedScene& scene);
   // True if the parts are others than those whose ports the halves hold; from now on they are these.
   bool parts_changed();
   // Writes both halves to a new file, and logs where it is or why it is not.
@@ -65,7 +66,7 @@ class FlightRecorder : public cycle::Observer {
                   std::uint64_t& time_ns) const;
 
   cycle::Simulation& simulation_;
-  const Origin origin_;
+  Origin origin_;
   const std::filesystem::path folder_;
   Half now_, before_;
   std::size_t ports_per_tick_ = 0;

@@ -10,8 +10,8 @@ namespace visum::recording {
 
 Player::Player(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust)
     : file_(file),
-      files_(file_.take_files()),
-      world_(make_world(file_.header(), files_, plugins, adjust)),
+      scenes_{std::make_shared<const LoadedScene>(scene_of(file_.header(), file_.take_files()))},
+      world_(make_world(file_.header(), scenes_.front()->files, plugins, adjust)),
       beginning_(file_.place()) {
   world_->keep(initial_);
   read_through();
@@ -21,23 +21,37 @@ Player::Player(const std::filesystem::path& file, const PluginFolders& plugins, 
 void Player::read_through() {
   for (auto item = file_.next(); !std::holds_alternative<RecordingFile::End>(item); item = file_.next()) {
     if (std::holds_alternative<const Tick*>(item)) ++ticks_;
-    if (std::holds_alternative<const State*>(item)) points_.push_back({ticks_, file_.place_of_last()});
+    if (std::holds_alternative<const State*>(item))
+      points_.push_back({ticks_, file_.place_of_last(), scenes_.size() - 1});
+    if (const auto* input = std::get_if<const TimedInput*>(&item))
+      if (const auto* loaded = std::get_if<LoadScene>(&(*input)->input)) note_scene(loaded->scene);
     events_.take(item, ticks_);
   }
   damage_ = file_.damage();
   position_ = ticks_ + 1;  // no position of the file: the first seek() must go to a state
 }
 
+// A scene that comes again is kept once.
+void Player::note_scene(std::shared_ptr<const LoadedScene> scene) {
+  for (const auto& known : scenes_)
+    if (*known == *scene) return scenes_.push_back(known);
+  scenes_.push_back(std::move(scene));
+}
+
+// A world that goes another way than the recorded one may refuse an input. It goes on without it, until the
+// next state puts it right; Replayer is there to report the difference.
+void Player::take(const TimedInput& input) {
+  std::ignore = cycle::apply(*world_, input.input);
+  if (std::holds_alternative<LoadScene>(input.input)) ++scene_;
+}
+
 bool Player::advance() {
   if (position_ == ticks_) return false;
-  const config::FilesGiven given(files_);
   while (true) {
+    const config::FilesGiven given(scenes_[scene_]->files);
     const auto item = file_.next();
     if (std::holds_alternative<RecordingFile::End>(item)) return false;
-    // A world that goes another way than the recorded one may refuse an input. It goes on without it, until
-    // the next state puts it right; Replayer is there to report the difference.
-    if (const auto* input = std::get_if<const TimedInput*>(&item))
-      std::ignore = cycle::apply(*world_, (*input)->input);
+    if (const auto* input = std::get_if<const TimedInput*>(&item)) take(**input);
     if (const auto* sample = std::get_if<const protocol::PartSample*>(&item))
       samples_[(*sample)->part] = **sample;
     if (const auto* state = std::get_if<const State*>(&item)) put_right(**state);
@@ -64,8 +78,14 @@ void Player::seek(std::uint64_t position) {
   }
 }
 
+void Player::put_scene(std::size_t number) {
+  if (scene_ != number) std::ignore = world_->load_scene(scenes_[number]);
+  scene_ = number;
+}
+
 void Player::go_to(const StatePoint& point) {
-  const config::FilesGiven given(files_);
+  put_scene(point.loads);
+  const config::FilesGiven given(scenes_[scene_]->files);
   file_.go_to(point.place);
   samples_.clear();
   position_ = point.position;
@@ -75,7 +95,8 @@ void Player::go_to(const StatePoint& point) {
 }
 
 void Player::go_to_beginning() {
-  const config::FilesGiven given(files_);
+  put_scene(0);
+  const config::FilesGiven given(scenes_[scene_]->files);
   file_.go_to(beginning_);
   samples_.clear();
   position_ = 0;

@@ -51,11 +51,17 @@ class Player {
   void read_through();
   void go_to(const StatePoint& point);
   void go_to_beginning();
+  void note_scene(std::shared_ptr<const LoadedScene> scene);
+  // Applies an input of the file.
+  void take(const TimedInput& input);
+  // Gives the world a scene of the file. Where that cannot be made here, the world stays as it is.
+  void put_scene(std::size_t number);
   // Restores the state where the world differs from it.
   void put_right(const State& state);
 
   RecordingFile file_;
-  const config::Files files_;
+  std::vector<std::shared_ptr<const LoadedScene>> scenes_;  // the first one, and those that were loaded
+  std::size_t scene_ = 0;                                   // the one at this position
   const std::unique_ptr<cycle::Simulation> world_;
   State initial_;  // the scene's
   RecordingFile::Place beginning_;

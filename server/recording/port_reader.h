@@ -11,10 +11,12 @@
 
 namespace visum::recording {
 
-// A whole state in the file: how many ticks since the recording's beginning come before it, and where it is.
+// A whole state in the file: how many ticks since the recording's beginning come before it, where it is, and
+// how many scenes were loaded before it.
 struct StatePoint {
   std::uint64_t position;
   RecordingFile::Place place;
+  std::size_t loads = 0;
 };
 
 class PortReader {

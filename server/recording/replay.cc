@@ -89,7 +89,7 @@ Rewound rewind(const std::filesystem::path& file, double at_s, const Adjust& adj
                              std::to_string(result.difference.tick) + ": " + result.difference.what +
                              "; `visum replay` shows more");
   check_reach(file, result, asked);
-  auto header = result.header;
+  auto header = replayer.header();
   auto rewound = replayer.take_world();
   if (engine.empty()) return rewound;
   header.engine = engine;

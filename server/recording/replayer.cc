@@ -36,14 +36,32 @@ std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config
   return std::make_unique<cycle::Simulation>(std::move(scene));
 }
 
+Header header_of(Header of_first, const LoadedScene& scene) {
+  auto& header = of_first;
+  header.scene = scene.name;
+  header.scene_file = scene.file;
+  header.engine = scene.engine;
+  header.parameters = scene.parameters;
+  header.seed = scene.seed;
+  header.packages = scene.packages;
+  header.package_folders = scene.package_folders;
+  return header;
+}
+
+LoadedScene scene_of(const Header& header, config::Files files) {
+  return {header.scene, header.scene_file, header.engine,          header.parameters,
+          header.seed,  header.packages,   header.package_folders, std::move(files)};
+}
+
 void without_real_time(scene::Scene& scene) {
   scene.clock = scene::ClockKind::kFree;
 }
 
 Replayer::Replayer(const std::filesystem::path& file, const PluginFolders& plugins, const Adjust& adjust)
     : file_(file),
+      header_(file_.header()),
       files_(file_.take_files()),
-      kept_(make_world(file_.header(), files_, plugins, adjust)),
+      kept_(make_world(header_, files_, plugins, adjust)),
       world_(*kept_) {
   result_.header = file_.header();
   begin();
@@ -63,8 +81,8 @@ RecordingFile::Item Replayer::next() {
 }
 
 Rewound Replayer::take_world() {
-  const auto& header = result_.header;
-  return {std::move(kept_), {std::move(files_), header.engine, header.parameters, true, packages_of(header)}};
+  return {std::move(kept_),
+          {std::move(files_), header_.engine, header_.parameters, true, packages_of(header_)}};
 }
 
 bool Replayer::run(std::uint64_t ticks) {
@@ -97,6 +115,10 @@ void Replayer::take(const TimedInput& input) {
                   std::to_string(input.era));
   if (const auto outcome = cycle::apply(world_, input.input); !outcome.done())
     return differ("an input is refused that was taken: " + outcome.text());
+  if (const auto* loaded = std::get_if<LoadScene>(&input.input)) {
+    header_ = header_of(std::move(header_), *loaded->scene);
+    files_ = loaded->scene->files;
+  }
   ++result_.inputs;
 }
 

@@ -18,6 +18,11 @@ namespace visum::recording {
 std::unique_ptr<cycle::Simulation> make_world(const Header& header, const config::Files& files,
                                               const PluginFolders& plugins, const Adjust& adjust);
 
+// The header that a recording of this scene alone would have, as far as make_world() needs it; and the scene
+// that a header describes.
+Header header_of(Header of_first, const LoadedScene& scene);
+LoadedScene scene_of(const Header& header, config::Files files);
+
 // Sets the clock to free, so that cameras start no thread for pictures that nobody looks at.
 void without_real_time(scene::Scene& scene);
 
@@ -30,6 +35,8 @@ class Replayer {
   // Replays at most so many ticks; false: the replay is over, at the file's end or at the first difference.
   bool run(std::uint64_t ticks);
   const Replay& result() const { return result_; }
+  // Describes the scene that the world has now: result().header, unless another one was loaded.
+  const Header& header() const { return header_; }
   // Gives the world away, to go on without the recording. The replayer must not be used afterwards.
   Rewound take_world();
 
@@ -50,7 +57,8 @@ class Replayer {
                      const std::vector<double>& recorded, const std::vector<double>& replayed);
 
   RecordingFile file_;
-  config::Files files_;  // of the recording; bodies that come later may read them, too
+  Header header_;        // of the scene that the world has now
+  config::Files files_;  // of that scene; bodies that come later may read them, too
   std::unique_ptr<cycle::Simulation> kept_;
   cycle::Simulation& world_;
   std::map<std::string, protocol::PartSample> samples_;

@@ -32,6 +32,7 @@ class Draft {
   std::map<std::string, world::Pose> frames;  // X_WF by name
   std::map<std::string, std::shared_ptr<const RobotModel>> robots;  // by file: read once, placed often
   std::vector<std::filesystem::path> plugin_folders;                // see plugin::open_library
+  bool refuses_plugins = false;
   // Limits of joints that belong to drives, by the joint's name in the scene.
   struct DriveLimit {
     double speed = 0.0, effort = 0.0;  // 0: none given

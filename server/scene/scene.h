@@ -110,6 +110,7 @@ struct Options {
   std::vector<std::filesystem::path> plugin_folders;  // where plug-ins may come from
   std::string parameters;  // --parameters: values of the file's parameters, a YAML map; empty: its defaults
   Packages packages;       // of the models' meshes; the environment's are added
+  bool refuses_plugins = false;  // a scene that names plug-ins is refused
 };
 
 // Throws ConfigError at the first thing that is wrong.

@@ -261,6 +261,7 @@ Scene load_scene(const fs::path& file, const Options& options) {
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
+  draft.refuses_plugins = options.refuses_plugins;
   draft.packages = scene.packages = with_environment(options.packages);
   draft.engine_option = options.engine;
   Loader(draft, nullptr).read(file, options);
@@ -273,6 +274,7 @@ std::optional<Scene> load_scene(const fs::path& file, const Options& options,
   Scene scene = empty_scene(file);
   Draft draft(scene);
   draft.plugin_folders = options.plugin_folders;
+  draft.refuses_plugins = options.refuses_plugins;
   draft.packages = scene.packages = with_environment(options.packages);
   draft.engine_option = options.engine;
   try {

@@ -26,7 +26,7 @@ const std::vector<Layer> kLayers = {
     {"server/cycle",
      {"server/world", "server/collision", "server/scene", "server/dynamics", "server/sensing", "hwparts",
       "protocol/config", "protocol/plugin", "protocol/part_description.h", "protocol/reset_scope.h",
-      "protocol/recording/input.h", "protocol/recording/state.h"}},
+      "protocol/recording/input.h", "protocol/recording/loaded_scene.h", "protocol/recording/state.h"}},
     {"server/recording",
      {"server/world", "server/scene", "server/cycle", "hwparts", "protocol/config", "protocol/plugin",
       "protocol/recording", "protocol/messages.h", "protocol/part_description.h"}},

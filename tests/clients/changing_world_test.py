@@ -195,6 +195,43 @@ class ChangingWorld(unittest.TestCase):
             self.client.spawn(file, "third", position_m=(0, 8, 1), files=files)
         self.assertIn("wedge.stl", str(refused.exception))
 
+    def test_another_scene_takes_the_worlds_place(self):
+        self.assertIn("cart_fleet", self.client.scenes())
+        self.assertIn("pick_and_place", self.client.scenarios())
+        listed = self.daemon.json("scenes")
+        self.assertEqual((listed["scenes"], listed["scenarios"]), (self.client.scenes(), self.client.scenarios()))
+        self.assertRegex(self.daemon.visum("scenes").stdout, r"scene +cart\n")
+        self.daemon.visum("recording", "start", "monday")
+        self.client.advance_ms(50)
+        self.daemon.visum("load", "cart")
+        self.assertEqual(self.client.part_names(), ["cart"])
+        self.client.advance_ms(50)
+        self.assertEqual((self.client.status().tick, self.client.status().era), (50, 2))
+        with visum.Client(self.daemon.connect, name="driver") as driver:
+            cart = driver.part("cart")
+            cart.acquire()
+            self.client.advance_ms(10)
+            self.client.load_scene("amtec_arm")
+            with self.assertRaises(visum.Error) as lost:
+                cart.read()
+            self.assertEqual(lost.exception.code, visum.ErrorCode.UNKNOWN_NAME)
+        self.assertEqual(self.client.part_names(), ["arm"])
+        self.client.advance_ms(100)
+        last = self.client.status().state_hash
+        self.daemon.visum("recording", "stop")
+        replayed = json.loads(run_visum("replay", pathlib.Path(self.folder) / "monday.mcap", "--json").stdout)
+        self.assertTrue(replayed["equal"])
+        # A server that has this scene from the beginning comes to the same state.
+        with Daemon("--clock", "lockstep", "--files", self.folder) as other:
+            with visum.Client(other.connect, name="steps") as alone:
+                alone.join()
+                alone.advance_ms(100)
+                self.assertEqual(alone.status().state_hash, last)
+        self.assertIn("did you mean 'cart'", self.daemon.visum("load", "carts", expect=2).stderr)
+        self.assertIn("no scene '../secret'", self.daemon.visum("load", "../secret", expect=2).stderr)
+        told = [json.loads(line) for line in self.daemon.visum("events", "--json").stdout.splitlines()]
+        self.assertIn("the scene 'cart' was loaded", [event["text"] for event in told if event["kind"] == "load"])
+
     def test_a_snapshot_with_a_name_outlives_the_server(self):
         self.client.advance_ms(150)
         self.daemon.visum("snapshot", "--name", "gripped")

@@ -36,6 +36,7 @@ class DaemonThread {
   static gateway::DaemonOptions with_port(std::uint16_t port) {
     gateway::DaemonOptions options;
     options.port = port;
+    options.models = std::filesystem::path(VISUM_SOURCE_DIR) / "models";
     return options;
   }
 

@@ -113,6 +113,24 @@ TEST_F(WorldOfAClient, BringsModelsWithTheirParts) {
   EXPECT_THAT(world_.spawned_models(), ElementsAre());
 }
 
+TEST_F(WorldOfAClient, LoadsAnotherScene) {
+  EXPECT_THAT(world_.scenes(), Contains("cart"));
+  EXPECT_THAT(world_.scenarios(), Contains("pick_and_place"));
+  client_.join();
+  client_.advance_ms(20);
+  const auto era = client_.era();
+  world_.load_scene("cart");
+  client_.advance_ms(10);
+  EXPECT_EQ(client_.tick(), 10);
+  EXPECT_EQ(client_.era(), era + 1);
+  EXPECT_THAT(client_.part_names(), ElementsAre("cart"));
+  Part cart = client_.part("cart");
+  cart.acquire();
+  world_.load_scene("amtec_arm");
+  EXPECT_EQ(refusal([&] { cart.read(); }), ErrorCode::kUnknownName);
+  EXPECT_EQ(refusal([&] { world_.load_scene("../cart"); }), ErrorCode::kUnknownName);
+}
+
 TEST_F(WorldOfAClient, HearsOfEvents) {
   Client other(daemon_.address(), {.name = "gripper"});
   EXPECT_EQ(world_.subscribe_events(EventLevel::kWarning).size(), 0u);

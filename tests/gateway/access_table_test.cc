@@ -88,6 +88,8 @@ std::vector<Row> table() {
           {SpawnModel{}, kNot, kNot, kYes},
           {RemoveModel{}, kNot, kNot, kYes},
           {ListModels{}, kYes, kYes, kYes},
+          {ListScenes{}, kYes, kYes, kYes},
+          {LoadScene{}, kNot, kNot, kYes},
           {RunScenario{}, kNot, kNot, kYes},
           {StopScenario{}, kNot, kNot, kYes},
           {ReadScenario{}, kYes, kYes, kYes}};

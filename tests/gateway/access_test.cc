@@ -19,16 +19,17 @@ TEST(Access, EveryRequestNeedsTheRoleOfTheTable) {
   for (const Request& request : std::initializer_list<Request>{
            Status{}, ListParts{}, DescribePart{}, Read{}, Subscribe{}, Unsubscribe{}, GetParameters{},
            ReadBlackboard{}, DescribeWorld{}, ReadWorld{}, SubscribeWorld{}, UnsubscribeWorld{}, ReadMesh{},
-           ReadTexture{}, ListFaults{}, ListModels{}})
+           ReadTexture{}, ListFaults{}, ListModels{}, ListScenes{}})
     EXPECT_EQ(role_needed(request), Role::kObserver) << request.index();
   for (const Request& request :
        std::initializer_list<Request>{AcquireLease{}, ReleaseLease{}, Write{}, SetParameter{},
                                       WriteBlackboard{}, Join{}, Advance{}, Leave{}, Note{}})
     EXPECT_EQ(role_needed(request), Role::kController) << request.index();
   for (const Request& request : std::initializer_list<Request>{
-           Pause{}, Resume{}, Step{}, SetSpeed{}, Reset{}, TakeSnapshot{}, RestoreSnapshot{}, PushBody{},
-           SetBody{}, SetJoints{}, PullBody{}, ReleaseBody{}, AddBody{}, RemoveBody{}, SpawnModel{},
-           RemoveModel{}, Shutdown{}, InjectFault{}, ClearFault{}})
+           Pause{},        Resume{},          Step{},     SetSpeed{},    Reset{},
+           TakeSnapshot{}, RestoreSnapshot{}, PushBody{}, SetBody{},     SetJoints{},
+           PullBody{},     ReleaseBody{},     AddBody{},  RemoveBody{},  SpawnModel{},
+           RemoveModel{},  LoadScene{},       Shutdown{}, InjectFault{}, ClearFault{}})
     EXPECT_EQ(role_needed(request), Role::kAdmin) << request.index();
 }
 

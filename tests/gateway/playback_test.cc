@@ -143,6 +143,32 @@ TEST_F(PlaybackOfAModelThatComesAndGoes, ShowsItsPartsWhereTheyWere) {
   }
 }
 
+class PlaybackOfScenes : public PlaybackTest {
+ protected:
+  static void load(cycle::Simulation& world, int ticks) {
+    if (ticks != 400 && ticks != 900) return;
+    const char* const scene = ticks == 400 ? "two_robots.yaml" : "cart.yaml";
+    auto change =
+        world.begin_load({std::filesystem::path(VISUM_SOURCE_DIR) / "models/scenes" / scene, {}, {}, {}});
+    ASSERT_EQ(cycle::prepare(change).text(), "");
+    ASSERT_EQ(world.load_scene(change).text(), "");
+  }
+  PlaybackOfScenes() : PlaybackTest(load) {}
+};
+
+TEST_F(PlaybackOfScenes, ShowsEachSceneWhereItWas) {
+  for (const std::int64_t position : {700, 100, 1300, 600, 20, 1450, 401, 400}) {
+    SCOPED_TRACE(position);
+    seek(position);
+    EXPECT_EQ(status().state_hash, hashes_[static_cast<std::size_t>(position)]);
+    const auto* const scene = position <= 400 ? "two_link" : position <= 900 ? "two_robots" : "cart";
+    EXPECT_EQ(client().request_as<protocol::WorldDescription>(protocol::DescribeWorld{}).scene, scene);
+    const auto parts = client().request_as<protocol::PartList>(protocol::ListParts{}).parts;
+    EXPECT_EQ(parts.size(), position > 400 && position <= 900 ? 3u : 2u) << "with the part that steers";
+    for (const auto& part : parts) client().request_as<protocol::PartSample>(protocol::Read{part.name});
+  }
+}
+
 TEST_F(PlaybackTest, StandsAtItsBeginningUntilItIsPlayed) {
   const auto now = status();
   EXPECT_TRUE(now.paused);

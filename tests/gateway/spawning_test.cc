@@ -144,7 +144,10 @@ TEST_F(SpawningInTheGateway, ModelsComeAndGoManyTimes) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(done(admin, cart("second")).index(), Reply(ModelSpawned{}).index());
     rig.answer<LeaseGrant>(admin, AcquireLease{"second"});
+    const auto value = 0.5 * part("second").part->description().controller_inputs[0].maximum;
+    rig.answer<Ok>(admin, Write{"second", 0, {value}, 0});
     rig.tick();
+    EXPECT_EQ(part("second").controller_inputs[0], value);
     EXPECT_EQ(refusal(admin, RemoveModel{"second"}), "done");
   }
   EXPECT_LT(rig.tick_side.part_table()->slots.size(), 2 + rig.simulation.parts().size())

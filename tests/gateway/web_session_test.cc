@@ -1,6 +1,11 @@
 // Sessions over WebSocket: the same messages, rights and limits as over TCP.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "protocol/limits.h"
 #include "protocol/reading_window.h"
 #include "tests/gateway/http_client.h"
@@ -18,6 +23,7 @@ DaemonOptions with_http() {
   DaemonOptions options;
   options.http.on = true;
   options.http.port = 0;
+  options.models = std::filesystem::path(VISUM_SOURCE_DIR) / "models";
   return options;
 }
 
@@ -90,6 +96,24 @@ TEST_F(WebSession, MessagesMustBeBinary) {
 
 TEST_F(WebSession, PagesOfOtherOriginsGetNone) {
   EXPECT_THROW(WebClient(http(), "http://evil.example"), std::runtime_error);
+}
+
+// A page that is told so describes the world anew.
+TEST_F(WebSession, IsToldOfAnotherScene) {
+  WebClient web(http());
+  greet(web, Role::kObserver);
+  web.ask<Ok>(SubscribeWorld{1});
+  daemon_.connect("admin", Role::kAdmin).request(LoadScene{"cart"});
+  std::vector<std::string> told;
+  while (told.empty() || told.back() != "world_changed")
+    if (const auto frame = web.next(); const auto* event = std::get_if<Event>(&frame.reply))
+      told.push_back(event->kind);
+  EXPECT_NE(std::ranges::find(told, "era"), told.end());
+  const auto world = web.ask<WorldDescription>(DescribeWorld{});
+  EXPECT_EQ(world.scene, "cart");
+  const auto sample = web.ask<WorldSample>(ReadWorld{});
+  EXPECT_EQ(sample.revision, world.revision);
+  EXPECT_EQ(sample.poses.size(), 7 * world.bodies.size());
 }
 
 TEST_F(WebSession, SaysWhyItEndsWhenTheDaemonDoes) {

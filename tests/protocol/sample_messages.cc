@@ -219,6 +219,8 @@ Samples<Request> sample_requests() {
                                  {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
       {"remove_model", RemoveModel{"second"}},
       {"list_models", ListModels{}},
+      {"list_scenes", ListScenes{}},
+      {"load_scene", LoadScene{"cart"}},
       {"run_scenario", RunScenario{"pick_and_place", 60'000'000'000}},
       {"stop_scenario", StopScenario{}},
       {"read_scenario", ReadScenario{}},
@@ -265,6 +267,7 @@ Samples<Reply> sample_replies() {
                                  {{"stands", true, "tilt is 0"}, {"rests", false, "too fast"}},
                                  0x9f3c0a5be2d81746}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
+      {"scenes", SceneList{{"amtec_arm", "cart"}, {"pick_and_place"}}},
   };
 }
 

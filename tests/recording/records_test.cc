@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/records.h"
 
 namespace visum::recording {
@@ -119,6 +120,21 @@ TEST(Records, InputsComeBackAsTheyWere) {
   EXPECT_EQ(clear.drive, 3u);
 }
 
+TEST(Records, ALoadedSceneComesBackWithItsFiles) {
+  InputMessage message;
+  const LoadedScene cart{"cart",
+                         "/s/cart.yaml",
+                         "ode",
+                         "{mass: 2}",
+                         77,
+                         {{"robot", "/r"}},
+                         {"/ros/share"},
+                         {{"/s/cart.yaml", "visum: 1"}, {"/s/cart.urdf", "<robot/>"}}};
+  const auto loaded =
+      std::get<LoadScene>(through(LoadScene{std::make_shared<const LoadedScene>(cart)}, message).input);
+  EXPECT_EQ(*loaded.scene, cart);
+}
+
 TEST(Records, BytesThatAreNoInputAreRefused) {
   InputMessage message;
   EXPECT_FALSE(message.decode({})) << "an input of no kind";
@@ -126,6 +142,9 @@ TEST(Records, BytesThatAreNoInputAreRefused) {
   std::vector<std::byte> bytes;
   encode(TimedInput{0, 1, BusTelegram{"arm", 0, 4, 1, {}}}, bytes);
   EXPECT_FALSE(message.decode(bytes)) << "hosts send no state";
+  bytes.clear();
+  encode(TimedInput{0, 1, LoadScene{std::make_shared<const LoadedScene>()}}, bytes);
+  EXPECT_FALSE(message.decode(bytes)) << "the file of the scene is not there";
   bytes.clear();
   encode(TimedInput{0, 1, BusTelegram{"arm", 0, 0, 1, bytes_of("123456789")}}, bytes);
   EXPECT_FALSE(message.decode(bytes)) << "nine bytes";

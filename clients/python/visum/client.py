@@ -370,6 +370,19 @@ class Client:
         """Takes a model that was spawned out of the world, with its parts and sensors."""
         self.connection.request(remove_model=pb.RemoveModel(name=name))
 
+    def scenes(self) -> list[str]:
+        """The scenes of the server that load_scene() takes."""
+        return list(self.connection.request(list_scenes=pb.ListScenes()).scenes.scenes)
+
+    def scenarios(self) -> list[str]:
+        """The scenarios of the server."""
+        return list(self.connection.request(list_scenes=pb.ListScenes()).scenes.scenarios)
+
+    def load_scene(self, scene: str) -> None:
+        """Puts another scene in the world's place, and begins a new era at time 0. Parts and leases of the scene before are gone:
+        ask for the new parts."""
+        self.connection.request(load_scene=pb.LoadScene(scene=scene))
+
     def shutdown(self) -> None:
         self.connection.request(shutdown=pb.Shutdown())
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace visum::cli {
 
@@ -29,6 +30,11 @@ class JsonWriter {
   template <std::integral T>
   JsonWriter& value(T number) {
     return raw(std::to_string(number));
+  }
+  JsonWriter& value(const std::vector<std::string>& texts) {
+    begin_array();
+    for (const auto& text : texts) value(text);
+    return end_array();
   }
   JsonWriter& number(const std::string& digits) { return raw(digits); }  // already in JSON's form
   JsonWriter& null() { return raw("null"); }

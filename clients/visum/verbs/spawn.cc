@@ -49,8 +49,7 @@ class SpawnVerb : public Verb {
     if (link_.json) {
       JsonWriter json;
       json.begin_object().member("name", spawned.name);
-      put_list(json, "bodies", spawned.bodies);
-      put_list(json, "parts", spawned.parts);
+      json.member("bodies", spawned.bodies).member("parts", spawned.parts);
       std::printf("%s\n", json.end_object().text().c_str());
     } else {
       std::printf("%s: %zu bodies, parts: %s\n", spawned.name.c_str(), spawned.bodies.size(),
@@ -70,9 +69,7 @@ class SpawnVerb : public Verb {
     const auto models = link.request_as<protocol::ModelList>(protocol::ListModels{});
     if (link_.json) {
       JsonWriter json;
-      json.begin_object();
-      put_list(json, "files", models.files);
-      put_list(json, "spawned", models.spawned);
+      json.begin_object().member("files", models.files).member("spawned", models.spawned);
       std::printf("%s\n", json.end_object().text().c_str());
       return kDone;
     }
@@ -86,12 +83,6 @@ class SpawnVerb : public Verb {
     for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
     return text.empty() ? "none" : text;
   }
-  static void put_list(JsonWriter& json, const char* key, const std::vector<std::string>& words) {
-    json.key(key).begin_array();
-    for (const auto& word : words) json.value(word);
-    json.end_array();
-  }
-
   LinkOptions link_;
   std::string file_, name_, pose_;
   bool unique_ = false, list_ = false;

@@ -36,6 +36,8 @@ std::unique_ptr<Verb> make_pose();
 std::unique_ptr<Verb> make_joints();
 std::unique_ptr<Verb> make_spawn();
 std::unique_ptr<Verb> make_remove();
+std::unique_ptr<Verb> make_scenes();
+std::unique_ptr<Verb> make_load();
 std::unique_ptr<Verb> make_fault();
 std::unique_ptr<Verb> make_faults();
 std::unique_ptr<Verb> make_run();
