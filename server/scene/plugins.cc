@@ -65,7 +65,7 @@ void read_plugin(Draft& draft, const Node& node) {
   auto& plugins = draft.scene.plugins;
   const std::string name = node.text();
   if (draft.refuses_plugins)
-    node.fail("plug-ins come only with the scene that a server starts with: start one with this scene");
+    node.fail("plug-ins come only with the scene that a server starts with: start a server with this scene");
   if (std::ranges::any_of(plugins, [&](const auto& library) { return library.name == name; })) return;
   if (plugins.size() == plugin::kMaxLibraries)
     node.fail("more than " + std::to_string(plugin::kMaxLibraries) + " plug-ins");
