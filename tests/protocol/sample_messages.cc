@@ -209,7 +209,6 @@ Samples<Request> sample_requests() {
       {"report_modules", reported()},
       {"list_modules", ListModules{"motion", 7}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
-      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Speed", 0.25}},
       {"lock_blackboard", LockBlackboard{"arm", "Trajectory", 500'000'000}},
       {"unlock_blackboard", UnlockBlackboard{"arm", "Trajectory", true}},
       {"spawn_model", SpawnModel{"robot/arm.urdf",
@@ -219,6 +218,7 @@ Samples<Request> sample_requests() {
                                  {{"robot/arm.urdf", "<robot/>"}, {"robot/link.stl", "solid"}}}},
       {"remove_model", RemoveModel{"second"}},
       {"list_models", ListModels{}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Speed", 0.25}},
   };
 }
 
@@ -252,9 +252,9 @@ Samples<Reply> sample_replies() {
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
       {"modules", ModuleList{7, {{"motion controller", announced(), reported()}}}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
-      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
   };
 }
 
