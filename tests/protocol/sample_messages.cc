@@ -209,7 +209,6 @@ Samples<Request> sample_requests() {
       {"report_modules", reported()},
       {"list_modules", ListModules{"motion", 7}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
-      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Speed", 0.25}},
       {"lock_blackboard", LockBlackboard{"arm", "Trajectory", 500'000'000}},
       {"unlock_blackboard", UnlockBlackboard{"arm", "Trajectory", true}},
       {"spawn_model", SpawnModel{"robot/arm.urdf",
@@ -224,6 +223,7 @@ Samples<Request> sample_requests() {
       {"run_scenario", RunScenario{"pick_and_place", 60'000'000'000}},
       {"stop_scenario", StopScenario{}},
       {"read_scenario", ReadScenario{}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Speed", 0.25}},
   };
 }
 
@@ -257,7 +257,6 @@ Samples<Reply> sample_replies() {
                            {{"arm", "torque_lost", {{"joint", 3}, {"share", 0.5}}, 1200}}}},
       {"modules", ModuleList{7, {{"motion controller", announced(), reported()}}}},
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
-      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
       {"scenario", ScenarioState{"pick_and_place",
                                  false,
@@ -268,6 +267,7 @@ Samples<Reply> sample_replies() {
                                  0x9f3c0a5be2d81746}},
       {"models", ModelList{{"cart/cart.yaml", "two_link/two_link.urdf"}, {"second"}}},
       {"scenes", SceneList{{"amtec_arm", "cart"}, {"pick_and_place"}}},
+      {"set_module_parameter", SetModuleParameter{"motion", "Arm/Ramp", "Mode", "fast"}},
   };
 }
 

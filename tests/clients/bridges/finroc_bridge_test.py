@@ -244,9 +244,11 @@ class Modules(unittest.TestCase):
             peer.subscribe(peer.find("Output/Actual Angle 1"))  # so that the bridge looks often
             self.start("hardware", f"arm@{daemon.connect}")
             self.start("motion", f"hardware@{daemon.connect}")
+            self.start("task", f"motion@{daemon.connect}")
             trajectory = "/motion/Arm/Trajectory/Parameters"
-            peer.await_structure(lambda peer: f"{trajectory}/Release Held" in peer.by_path and
-                                 "/motion/Blackboards/Way/read" in peer.by_path)
+            # All of the controller is there anew when a part of it comes.
+            wanted = {f"{trajectory}/Release Held", "/motion/Blackboards/Way/read", "/task/Sequence/Parameters/Release Held"}
+            peer.await_structure(lambda peer: wanted <= set(peer.by_path))
             speed, way = peer.by_path[f"{trajectory}/Speed"], peer.by_path["/motion/Blackboards/Way/read"]
             self.assertTrue(speed.flags & finroc.ACCEPTS)
             self.assertTrue(way.flags & finroc.READ_ONLY)
@@ -272,7 +274,6 @@ class Modules(unittest.TestCase):
             peer.wait_for(speed, lambda value: value == 0.75)
 
             self.assertIn("output", peer.apply(way, b"x\0"))
-            self.start("task", f"motion@{daemon.connect}")
             rows = peer.wait_for(way, lambda text: text != "").split("; ")
             self.assertTrue(rows[0].startswith("0 "), rows[0])  # the time, and an angle of each joint
             self.assertEqual({len(row.split()) for row in rows[:-1]}, {8})
