@@ -22,8 +22,9 @@ test("when the world stands, it is drawn once with every pixel", () => {
   const resolution = new Resolution();
   const { now } = run(resolution, 0, 20, 200);
   assert.equal(resolution.frame(now + 16, false), null);
-  assert.equal(resolution.frame(now + 800, false), 1);
-  assert.equal(resolution.frame(now + 2000, false), null);
+  assert.equal(resolution.frame(now + 1500, false), null, "it rests between two movements");
+  assert.equal(resolution.frame(now + 2100, false), 1);
+  assert.equal(resolution.frame(now + 4000, false), null);
 });
 
 test("a machine that is free again gets its pixels back", () => {

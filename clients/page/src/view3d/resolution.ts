@@ -1,7 +1,8 @@
 // The number of pixels to draw: fewer while the machine is too slow to draw all of them as fast as the world
-// moves, and all of them once it stands. Another number costs the browser a new canvas, so there are few
-// steps between them, and it is slow to try more after that has failed. Pure: asked once for each frame of
-// the display.
+// moves, and all of them once it stands. Another number costs the browser a new canvas, for which the page
+// waits until the pictures before it are drawn: as long as some pictures take. So there are few steps between
+// them, it is slow to try more after that has failed, and a short rest is not standing. Pure: asked once for
+// each frame of the display.
 
 const kSlowMs = 45; // between two pictures
 const kQuickMs = 20;
@@ -9,7 +10,7 @@ const kQuickPictures = 40; // as many in a row before it tries more pixels, at f
 const kMostPatience = 1280; // and at last
 const kProbation = 120; // pictures: more pixels that are too many within them were tried too early
 const kShares = [1, 0.7, 0.5, 0.4];
-const kStandsMs = 700;
+const kStandsMs = 2000; // a rest between two movements of a robot is shorter
 
 export class Resolution {
   private step = 0; // in kShares, while things move
