@@ -145,7 +145,7 @@ class World {
                  [this]() -> const gateway::Published& { return copy_; }),
         judge_(gateway_) {
     simulation_.set_observer(&course_);
-    tick_side_.serve_models(models());
+    tick_side_.serve_models(models(), {});
     tick_side_.on_change_ready([this] { ready_.release(); });
     const auto steady = [this] { return gateway::Member::Clock::time_point(context_.now); };
     gateway_.lockstep().use_clock(steady);

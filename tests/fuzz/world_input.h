@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/limits.h"
 
 namespace visum::testing {
 
