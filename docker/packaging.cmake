@@ -56,7 +56,7 @@ set(description "Controllers for Visum in MCA2's manner: modules, groups and par
 set(requires visum)
 visum_shared_library(mca visum_mca visum-mca PUBLIC visum_client_shared
                      PRIVATE visum_cli visum_command_line visum_protocol visum_config spdlog::spdlog)
-set(mca_headers group lower module names options parameter part vector)
+set(mca_headers blackboard group lower module names options parameter part vector)
 foreach(header ${mca_headers})
   set(source ${PROJECT_SOURCE_DIR}/clients/mca/${header}.h)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})

@@ -18,12 +18,15 @@ void close_all(std::initializer_list<int> descriptors) {
   for (const int fd : descriptors) ::close(fd);
 }
 
-// A program has no handlers of ours, and hears what we chose to ignore.
+// A program has no handlers of ours. A signal that is ignored here stays ignored there.
 void forget_handlers(const sigset_t& mask) {
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP, SIGXFSZ})
-    ::sigaction(signal, &standard, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP, SIGXFSZ}) {
+    struct sigaction now {};
+    ::sigaction(signal, nullptr, &now);
+    if (now.sa_handler != SIG_IGN) ::sigaction(signal, &standard, nullptr);  // what is ignored stays so
+  }
   ::sigprocmask(SIG_SETMASK, &mask, nullptr);
 }
 

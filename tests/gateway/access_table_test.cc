@@ -81,7 +81,6 @@ std::vector<Row> table() {
           {ReportModules{"motion"}, kNot, kYes, kYes},
           {ListModules{}, kYes, kYes, kYes},
           {OverrideModulePort{"motion"}, kNot, kYes, kYes},
-          {SetModuleParameter{"motion"}, kNot, kYes, kYes},
           {LockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
           {UnlockBlackboard{arm, "nothing"}, kNot, kYes, kYes},
 
@@ -92,7 +91,8 @@ std::vector<Row> table() {
           {LoadScene{}, kNot, kNot, kYes},
           {RunScenario{}, kNot, kNot, kYes},
           {StopScenario{}, kNot, kNot, kYes},
-          {ReadScenario{}, kYes, kYes, kYes}};
+          {ReadScenario{}, kYes, kYes, kYes},
+          {SetModuleParameter{"motion"}, kNot, kYes, kYes}};
 }
 
 enum class LeaseIs { kFree, kOwn, kAnothers };

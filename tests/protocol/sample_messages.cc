@@ -81,7 +81,7 @@ AnnounceModules announced() {
         {"motion", "Arm/Ramp", ModuleVector::kSensorOutput, 2},
         3}},
       "127.0.0.1:40123"};
-  announced.modules[1].parameters = arm().parameters;
+  for (auto& module : announced.modules) module.parameters = arm().parameters;
   announced.blackboards = {{"Way", "application/x-float64", 64, 11, 704, true}};
   return announced;
 }
@@ -259,7 +259,7 @@ Samples<Reply> sample_replies() {
       {"override_module_port", OverrideModulePort{"motion", "Arm/Ramp", "Actual Angle 1", 0.25, true}},
       {"model_spawned", ModelSpawned{"second", {"second/base", "second/link"}, {"second", "eye"}}},
       {"scenario", ScenarioState{"pick_and_place",
-                                 false,
+                                 true,
                                  ScenarioVerdict::kFailed,
                                  1,
                                  "1 of 2 checks",
