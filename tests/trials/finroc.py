@@ -12,8 +12,9 @@ Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java, libx
 libitext5-java are needed, and graphviz for the graphs of --show.
 
 Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm, first with the arm alone, then with a
-controller above it. Their interface differs by branch: the claims are for 17.03. --show starts a window of the tool
-instead, with the controller, and waits until it is closed; it also takes the older master. Exit code 0: all passed, 1: something failed, 77: not possible here.
+controller above it. Their interface differs by branch: the claims are for 17.03. --show starts a window of the tool instead,
+with the controller, and waits until it is closed; it also takes the older master. Exit code 0: all passed, 1: something
+failed, 77: not possible here.
 """
 
 from __future__ import annotations
