@@ -12,8 +12,9 @@ Nothing of them is part of Visum. Debian's openjdk-17-jdk, libxstream-java, libx
 libitext5-java are needed, and graphviz for the graphs of --show.
 
 Runs Finroc's client libraries against `visum bridge finroc` and a daemon with the arm, first with the arm alone, then with a
-controller of three parts. Their interface differs by branch: the claims are for 17.03. --show starts a window of the tool
-instead, with the controller, and waits until it is closed; it also takes the older master. Exit code 0: all passed, 1: something failed, 77: not possible here.
+controller above it. Their interface differs by branch: the claims are for 17.03. --show starts a window of the tool instead,
+with the controller, and waits until it is closed; it also takes the older master. Exit code 0: all passed, 1: something
+failed, 77: not possible here.
 """
 
 from __future__ import annotations
@@ -116,12 +117,13 @@ def class_path(folder: Path) -> str:
 
 @contextmanager
 def controller(programs: Path, daemon: Daemon) -> Iterator[None]:
-    """Three parts in three processes. Their modules are seen while it lasts; the uppermost ends once it has moved the arm."""
+    """Hardware and motion, two parts in two processes, once a third one has moved the arm by them and ended."""
     running: list[subprocess.Popen[bytes]] = []
     try:
         for kind, lower in (("hardware", "arm"), ("motion", "hardware"), ("task", "motion")):
             words = [programs / f"visum-mca-{kind}", "--lower", f"{lower}@{daemon.address}", "--port", "0"]
             running.append(subprocess.Popen(list(map(str, words)), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        expect(running[-1].wait(PATIENCE_S) == 0, "the uppermost part did not move the arm")
         yield
     finally:
         for process in reversed(running):
