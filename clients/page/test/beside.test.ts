@@ -18,6 +18,8 @@ test("it is said where two recordings part, at which ports, and what they lack",
   assert.equal(words({ over: false, compared: 4 }), "Compared with b.mcap: equal in 4 of 9 ticks so far.");
   assert.equal(words({ only_b: ["arm/X"] }), "Not the same ports; those that both have are equal in all ticks.");
   assert.equal(words({ first: { position: 5, tick: 5 }, ports: [port("X", 5), port("Y", 7)], port_count: 2 }), "They part at tick 5. arm, X: A 1, B 2.5.");
+  const many = ["X", "Y", "Z", "W"].map((name) => ({ ...port(name, 5), a: "-0.006404863500516303", b: "1e-05" }));
+  assert.equal(words({ first: { position: 5, tick: 5 }, ports: many, port_count: 4 }), "They part at tick 5. arm, X: A -0.00640486, B 1.000e-5; arm, Y: A -0.00640486, B 1.000e-5; 2 more.");
   assert.equal(words({ first: { position: 4, tick: 4 }, ports: [port("X", 5)], port_count: 1 }), "They part at tick 4. The state differs there, and no port yet.");
   assert.equal(words({ first: { position: 8, tick: 8 }, ticks: 7 }), "They part at tick 8. No port differs, but the state or the length does. A has 9 ticks, B 7.");
   assert.equal(words({ over: true, damage: "b.mcap: cut off" }), "Equal: all 9 ticks. It ends there: b.mcap: cut off.");

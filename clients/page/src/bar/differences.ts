@@ -1,6 +1,6 @@
 // Where two recordings differ: marks on the ruler of their time, and a list of the ports that part first. A
 // click on either goes there; one on a port plots it, too.
-import { whereTheyPart, type BesideReport, type DifferentPort } from "../model/beside";
+import { inShort, whereTheyPart, type BesideReport, type DifferentPort } from "../model/beside";
 import type { Recording, Report } from "../model/recording";
 import { h, setText } from "../ui/dom";
 import { popover } from "../ui/popover";
@@ -55,7 +55,7 @@ export class Differences {
         this.go(port.position);
         this.plot(port);
       };
-      const number = (text: string) => h("td", { title: text }, short(text));
+      const number = (text: string) => h("td", { title: text }, inShort(text));
       return h("tr", {}, h("td", {}, h("button", { type: "button", class: "small", title: `Go to its first difference, and plot it`, onclick: choose }, name)),
         h("td", {}, port.tick.toLocaleString("en")), number(port.a), number(port.b), number(port.max_abs), h("td", {}, port.max_tick.toLocaleString("en")));
     };
@@ -64,10 +64,4 @@ export class Differences {
     const more = port_count > ports.length ? [h("p", {}, `${port_count - ports.length} more ports; \`visum compare\` lists all`)] : [];
     return [...table, ...more, ...list("Made differently", settings), ...list("Only in A", only_a), ...list("Only in B", only_b)];
   }
-}
-
-// Six digits are enough to read; the tooltip has them all. Pure.
-function short(text: string): string {
-  const value = Number(text);
-  return Number.isFinite(value) ? String(Number(value.toPrecision(6))) : text;
 }

@@ -27,6 +27,15 @@ export interface BesideReport {
   first?: { position: number; tick: number };
 }
 
+const kSaidPorts = 2;
+
+// Six digits are enough to read. Pure.
+export function inShort(text: string): string {
+  const value = Number(text);
+  if (!Number.isFinite(value)) return text;
+  return value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(3) : String(Number(value.toPrecision(6)));
+}
+
 // As `visum compare` says it (clients/visum/compare/forms.cc). Pure.
 export function whereTheyPart(ticks: number, { file, compared, over, damage, first, only_a, only_b, port_count, ports, ticks: ticksB }: BesideReport): string {
   const count = (number: number) => number.toLocaleString("en");
@@ -37,7 +46,8 @@ export function whereTheyPart(ticks: number, { file, compared, over, damage, fir
     return (other ? "Not the same ports; those that both have are equal in all ticks." : `Equal: all ${count(compared)} ticks.`) + end;
   }
   const lengths = ticks === ticksB ? "" : ` A has ${count(ticks)} ticks, B ${count(ticksB)}.`;
-  const there = ports.filter(({ position }) => position === first.position).map(({ part, port, a, b }) => `${part}, ${port}: A ${a}, B ${b}`);
+  const there = ports.filter(({ position }) => position === first.position).map(({ part, port, a, b }) => `${part}, ${port}: A ${inShort(a)}, B ${inShort(b)}`);
+  if (there.length > kSaidPorts) there.splice(kSaidPorts, there.length, `${there.length - kSaidPorts} more`);
   const what = there.length > 0 ? ` ${there.join("; ")}.` : port_count === 0 ? " No port differs, but the state or the length does." : " The state differs there, and no port yet.";
   return `They part at tick ${count(first.tick)}.${what}${lengths}${end}`;
 }
@@ -45,6 +55,8 @@ export function whereTheyPart(ticks: number, { file, compared, over, damage, fir
 const kHead = 2; // the position, and A's simulated seconds
 const kNumbers = 9; // of each body: its pose in B, and how far that is from the pose in A: m, rad
 const kPose = 7;
+
+const kLeast = 5e-5; // m: shown as 0.1 mm at least; 20 of them as rad are 0.1°
 
 export interface Apart {
   metres: number;
@@ -82,6 +94,8 @@ export class BesideBodies {
 }
 
 export const isApart = ({ metres, radians }: Apart): boolean => metres > 0 || radians > 0;
+// So far that a ghost shows something. One at the same place would only colour the body.
+export const isToBeSeen = ({ metres, radians }: Apart): boolean => metres >= kLeast || radians >= 20 * kLeast;
 
 // The bodies that are elsewhere in B, the farthest first. Pure.
 export function apartInWords(names: readonly string[], apart: readonly Apart[], most: number): string {
@@ -93,8 +107,6 @@ export function apartInWords(names: readonly string[], apart: readonly Apart[], 
   const lacks = missing.length === 0 ? "" : `; not in B: ${missing.slice(0, most).map(({ name }) => name).join(", ")}`;
   return (far.length === 0 ? "all bodies are where they are in A" : texts.join(", ")) + lacks;
 }
-
-const kLeast = 5e-5; // m, rad: shown as 0.1 mm and 0.0° at least
 
 function distance(metres: number, radians: number): string {
   const turned = `turned ${((radians * 180) / Math.PI).toFixed(1)}°`;

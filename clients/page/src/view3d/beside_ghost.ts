@@ -1,7 +1,7 @@
-// The bodies of a second recording that are elsewhere than in the one that is shown, drawn as ghosts.
+// The bodies of a second recording that are visibly elsewhere than in the one that is shown, drawn as ghosts.
 import { Group, Mesh, type Matrix4, type MeshStandardMaterial } from "three";
 import type { WorldDescription } from "../link/messages";
-import { apartInWords, isApart } from "../model/beside";
+import { apartInWords, isToBeSeen } from "../model/beside";
 import type { Recording } from "../model/recording";
 import type { World } from "../model/world";
 import { h, setText } from "../ui/dom";
@@ -59,7 +59,7 @@ export class BesideGhost {
     this.root.visible = this.on && apart.length === this.groups.length && this.recording.bodies.posesAt(this.world.shownMs, this.poses);
     if (!this.root.visible) return;
     this.groups.forEach((group, i) => {
-      group.visible = isApart(apart[i]!);
+      group.visible = isToBeSeen(apart[i]!);
       const at = 7 * i;
       group.position.set(this.poses[at]!, this.poses[at + 1]!, this.poses[at + 2]!);
       group.quaternion.set(this.poses[at + 4]!, this.poses[at + 5]!, this.poses[at + 6]!, this.poses[at + 3]!);
