@@ -44,7 +44,7 @@ std::filesystem::path folder_of_files() {
 
 scene::Scene scene_with(ClockKind clock) {
   static const auto loaded =
-      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "tests/fuzz/world/scene.yaml");
+      scene::load_scene(std::filesystem::path(VISUM_SOURCE_DIR) / "tests/fuzz/world/scenes/fuzz_world.yaml");
   auto scene = loaded;
   scene.clock = clock;
   return scene;
@@ -194,7 +194,7 @@ class World {
 
  private:
   static std::filesystem::path models() {
-    return std::filesystem::path(VISUM_SOURCE_DIR) / "models/two_link";
+    return std::filesystem::path(VISUM_SOURCE_DIR) / "tests/fuzz/world";
   }
   gateway::StaticWorld static_world() const {
     auto world = gateway::static_world(simulation_);

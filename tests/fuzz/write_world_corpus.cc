@@ -62,14 +62,12 @@ WorldInput trajectory() {
 WorldInput spawn() {
   WorldInput input(kLockstep);
   input.ask(kObserver, ListModels{}).ask(kFirst, Join{}).ask(kFirst, Advance{40});
-  input.ask(kAdmin, SpawnModel{"two_link.urdf", "second", {0, 2, 0, 1, 0, 0, 0}}).tick(4);
+  input.ask(kAdmin, SpawnModel{"post.urdf", "second", {0, 2, 0, 1, 0, 0, 0}}).tick(4);
   input.ask(kObserver, ListParts{})
       .ask(kSecond, AcquireLease{"second"})
       .ask(kSecond, Write{"second", 0, {0.2}})
       .tick(4);
-  input.ask(kAdmin, SpawnModel{"two_link.urdf", "second", {}, true})
-      .tick(2)
-      .ask(kAdmin, RemoveModel{"second"});
+  input.ask(kAdmin, SpawnModel{"post.urdf", "second", {}, true}).tick(2).ask(kAdmin, RemoveModel{"second"});
   input.ask(kSecond, ReleaseLease{"second"}).ask(kAdmin, RemoveModel{"second"}).tick(2);
   return input.ask(kAdmin, Reset{visum::protocol::ResetScope::kSpawned}).tick(2);
 }
@@ -183,13 +181,31 @@ WorldInput recordings() {
       .tick(1);
 }
 
+WorldInput load() {
+  WorldInput input(kFree);
+  input.ask(kObserver, ListScenes{})
+      .ask(kFirst, AcquireLease{"robot"})
+      .ask(kFirst, Write{"robot", 0, {0.2}})
+      .tick(3);
+  input.ask(kAdmin, SpawnModel{"crate.yaml", "crate"})
+      .ask(kAdmin, PullBody{"box", {}, {1, 0, 1}, 8.0, 0})
+      .tick(2);
+  input.ask(kAdmin, LoadScene{"ramp"})
+      .tick(4)
+      .ask(kFirst, Write{"robot", 0, {0.1}})
+      .ask(kObserver, ReadWorld{});
+  input.ask(kAdmin, Resume{}).ask(kAdmin, PushBody{"box", {1, 0, 0}, {}, {}, 5'000'000}).tick(4);
+  return input.ask(kAdmin, LoadScene{"fuzz_world"})
+      .ask(kAdmin, RestoreSnapshot{1})
+      .tick(4)
+      .ask(kAdmin, Reset{ResetScope::kAll})
+      .tick(2);
+}
+
 const std::map<std::string, std::function<WorldInput()>> kCourses{
-    {"drive", drive},          {"trajectory", trajectory},
-    {"spawn", spawn},          {"send_models", send_models},
-    {"bodies", bodies},        {"pulls", pulls},
-    {"snapshots", snapshots},  {"faults", faults},
-    {"lockstep", lockstep},    {"looks", looks},
-    {"recordings", recordings}};
+    {"drive", drive},       {"trajectory", trajectory}, {"spawn", spawn},   {"send_models", send_models},
+    {"bodies", bodies},     {"pulls", pulls},           {"faults", faults}, {"snapshots", snapshots},
+    {"lockstep", lockstep}, {"looks", looks},           {"load", load},     {"recordings", recordings}};
 
 }  // namespace
 
