@@ -26,7 +26,7 @@ class Beside {
 
   // Compares one more tick of the two. False: both have ended, or one is damaged.
   bool compare();
-  // What was found so far, as JSON.
+  // Tells as JSON what was found so far.
   std::string report() const;
 
   // Where B's bodies are when A is this world at this position: the position, A's simulated seconds, then

@@ -65,7 +65,7 @@ class ScenarioRun {
   const std::chrono::nanoseconds timeout_;
   std::atomic<std::chrono::milliseconds> patience_{kNoEnd};  // with which it is ended; kNoEnd: it is not
 
-  // Of the thread.
+  // Used on the thread only.
   std::optional<Clock::time_point> ends_since_;
   bool too_late_ = false;      // its time was over
   std::optional<News> ended_;  // as the process itself has told

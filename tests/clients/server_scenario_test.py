@@ -64,7 +64,7 @@ class ServerScenario(unittest.TestCase):
         self.assertIn(text, str(refused.exception))
 
     def others(self):
-        """What runs for the scenario: whatever names our folder, but for the servers themselves."""
+        """Finds the processes of the scenario: all that name our folder, but for the servers themselves."""
         return [pid for pid in processes_with(str(self.folder)) if pid not in self.servers]
 
     def wait_for_nobody(self):

@@ -1,4 +1,4 @@
-// Two recordings on the page: B's bodies are ghosts, its ports dashed lines, and where the two part is marked.
+// Two recordings on the page: B's bodies are ghosts, its ports dashed lines, and where they part is marked.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -9,7 +9,8 @@ import { linkPositions, readArm } from "./kinematics.mjs";
 import { around } from "./picture.mjs";
 import { bin, Daemon, source } from "./programs.mjs";
 
-const kTicksA = 2500, kTicksB = 2000, kParting = 1201; // a value that is set between two ticks acts in the later one
+// A value that is set between two ticks acts in the later one.
+const kTicksA = 2500, kTicksB = 2000, kParting = 1201;
 const kGhost = (r, g, b) => g > 1.15 * r && g > 1.05 * b; // whatever is behind it
 
 const visum = (...words) => execFileSync(join(bin, "visum"), words, { encoding: "utf8", maxBuffer: 1 << 28 });

@@ -89,7 +89,7 @@ export async function settled(page, name) {
 export const body = (page, name, point) => page.evaluate(([name, point]) => visum.project(name, point), [name, point]);
 export const isRed = (r, g, b) => r > 120 && r > 3 * g && r > 3 * b; // and not the arm's orange
 export const isBlue = (r, g, b) => b > 80 && b > 1.5 * g && b > 3 * r;
-// What an accessibility checker finds on the page as it is now: a rule, and the elements that break it.
+// An accessibility checker looks at the page as it is now and finds: a rule, and the elements that break it.
 export async function axeFindings(page) {
   await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
   const { violations } = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));

@@ -31,8 +31,8 @@ export interface VisumApi {
   // The camera's position and target (m, world frame), and its vertical angle of view (degrees).
   camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
-  // Of a second recording beside the one that is shown: the position for which its bodies are known, in ticks
-  // since the beginning; -1: none.
+  // The position for which the bodies of a second recording, beside the one that is shown, are known: in
+  // ticks since the beginning; -1: none.
   besidePosition(): number;
 }
 

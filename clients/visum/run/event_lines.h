@@ -18,7 +18,7 @@ class EventLines {
   static void check(const CheckResult& check);
   static void end(const Report& report);
 
-  // Of a scenario with several runs.
+  // Tells of one run of a scenario that has several.
   static void run(const Report& report);
   static void end(std::span<const Report> reports, int code);
 };

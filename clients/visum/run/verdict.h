@@ -1,4 +1,4 @@
-// What a run's findings make of its exit code. Pure functions.
+// The verdict and the exit code that follow from a run's findings. Pure functions.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 namespace visum::run {
 
 void fail(Report& report, cli::ExitCode code, const std::string& error);
-// Of a run that went to its end: passed, failed, or a controller was lost.
+// Judges a run that went to its end: passed, failed, or a controller was lost.
 void judge(Report& report);
 // Neither success nor failure means anything on a host that was too slow, or where a program was not in step
 // or exchanged nothing.

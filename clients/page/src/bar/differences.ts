@@ -24,7 +24,7 @@ export class Differences {
     this.names.hidden = !beside;
     this.list.hidden = !beside || (!beside.first && beside.only_a.length + beside.only_b.length + beside.settings.length === 0);
     const now = JSON.stringify(beside && [beside.first, beside.ports, beside.port_count, beside.settings]);
-    // What a user looks at stays, until all is compared
+    // The list that a user looks at stays until all is compared.
     if (!report || !beside || now === this.shown || (this.list.open && !beside.over)) return;
     this.shown = now;
     setText(this.names, `A ${report.file} · B ${beside.file} (ghost, dashed)`);

@@ -1,5 +1,5 @@
-// A second recording beside the one that is shown (`visumd replay A --view --beside B`): where the two differ,
-// by the server's comparison, and where B's bodies are while A stands at its position.
+// A second recording beside the one that is shown (`visumd replay A --view --beside B`): where the two
+// differ, by the server's comparison, and where B's bodies are while A stands at its position.
 import { Emitter } from "../common/signal";
 import { PoseBuffer } from "./poses";
 
