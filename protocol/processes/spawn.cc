@@ -18,15 +18,12 @@ void close_all(std::initializer_list<int> descriptors) {
   for (const int fd : descriptors) ::close(fd);
 }
 
-// A program has no handlers of ours. A signal that is ignored here stays ignored there.
+// A program has no handlers of ours, and is ended by what ends programs. We may ignore SIGXFSZ, which it then
+// does, too: a file at its limit of size is an error for it, not its death.
 void forget_handlers(const sigset_t& mask) {
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
-  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP, SIGXFSZ}) {
-    struct sigaction now {};
-    ::sigaction(signal, nullptr, &now);
-    if (now.sa_handler != SIG_IGN) ::sigaction(signal, &standard, nullptr);  // what is ignored stays so
-  }
+  for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGHUP}) ::sigaction(signal, &standard, nullptr);
   ::sigprocmask(SIG_SETMASK, &mask, nullptr);
 }
 

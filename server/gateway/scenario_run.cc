@@ -79,7 +79,8 @@ std::uint64_t ScenarioRun::take(std::vector<News>& news) {
 // The end always finds its place.
 void ScenarioRun::add(News news) {
   const std::lock_guard lock(mutex_);
-  if (news_.size() >= kMostNews && news.kind != News::Kind::kEnd)
+  const auto most = news.kind == News::Kind::kLine ? kMostLines : kMostNews;
+  if (news_.size() >= most && news.kind != News::Kind::kEnd)
     ++dropped_;
   else
     news_.push_back(std::move(news));

@@ -23,7 +23,8 @@ namespace visum::gateway {
 class ScenarioRun {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMostNews = 256;  // that wait; further lines are dropped and counted
+  // News that wait; further ones are dropped and counted. Lines leave room for as many checks.
+  static constexpr std::size_t kMostLines = 256, kMostNews = 2 * kMostLines;
 
   struct News {
     enum class Kind { kLine, kCheck, kEnd };

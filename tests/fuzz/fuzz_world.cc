@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "protocol/codec.h"
+#include "protocol/recording/records.h"
 #include "protocol/session_core.h"
 #include "server/cycle/apply_input.h"
 #include "server/gateway/gateway.h"
@@ -50,18 +51,12 @@ scene::Scene scene_with(ClockKind clock) {
   return scene;
 }
 
-// Everything that a world took, in order, and how it stood after each tick.
+// Everything that a world took, in order, as a recording holds it.
 struct Course final : cycle::Observer {
-  explicit Course(const cycle::Simulation& simulation) : world(simulation) {}
-  void took(const recording::TimedInput& input) override {
-    for (; ticks > 0; --ticks) inputs.emplace_back();
-    inputs.emplace_back(input.input);
-  }
-  void ticked() override { ++ticks; }
+  void took(const recording::TimedInput& input) override { encode(input, steps.emplace_back()); }
+  void ticked() override { steps.emplace_back(); }
 
-  const cycle::Simulation& world;
-  std::vector<std::optional<recording::Input>> inputs;  // nothing: a tick
-  int ticks = 0;                                        // since the last input
+  std::vector<std::vector<std::byte>> steps;  // empty: a tick
 };
 
 class WorldSession final : public protocol::SessionCore {
@@ -137,7 +132,6 @@ class World {
  public:
   explicit World(ClockKind clock)
       : simulation_(scene_with(clock)),
-        course_(simulation_),
         archive_(folder_of_files(), origin_),
         mailbox_(64),
         tick_side_(simulation_, mailbox_, false, &archive_),
@@ -248,15 +242,16 @@ class World {
 
   void compare_with_a_fresh_one() const {
     cycle::Simulation fresh(scene_with(ClockKind::kFree));
-    for (const auto& input : course_.inputs) {
-      if (!input) {
+    recording::InputMessage message;
+    for (const auto& step : course_.steps) {
+      if (step.empty()) {
         fresh.tick();
         continue;
       }
-      if (const auto outcome = cycle::apply(fresh, *input); !outcome.done())
+      if (!message.decode(step)) fail("an input cannot be read again");
+      if (const auto outcome = cycle::apply(fresh, message.input.input); !outcome.done())
         fail(("a fresh world refuses what the first one took: " + outcome.text()).c_str());
     }
-    for (int i = 0; i < course_.ticks; ++i) fresh.tick();
     if (fresh.fault() != simulation_.fault()) fail("a fresh world freezes in another way");
     if (fresh.state_hash() != simulation_.state_hash())
       fail("a fresh world with the same inputs ends with other bits");

@@ -291,12 +291,14 @@ TEST_F(PlaybackOfTwo, GivesThePortsOfTheSecondAtTheTimesOfTheFirst) {
   std::vector<double> rows(text.size() / sizeof(double));
   std::memcpy(rows.data(), text.data(), text.size());
   const auto outputs = angles_of_b_[0].size();
-  const auto width = 1 + 2 + outputs;
+  const auto inputs =
+      client().request_as<protocol::PartSample>(protocol::Read{"robot"}).controller_inputs.size();
+  const auto width = 1 + inputs + outputs;
   ASSERT_EQ(rows.size(), 300 * width) << "of 701 to 1100, B has 701 to 1000";
   for (const std::size_t row : {0u, 150u, 299u}) {
     EXPECT_EQ(rows[row * width], static_cast<double>(701 + row) / 1000.0);
-    EXPECT_TRUE(
-        std::equal(angles_of_b_[701 + row].begin(), angles_of_b_[701 + row].end(), &rows[row * width + 3]));
+    EXPECT_TRUE(std::equal(angles_of_b_[701 + row].begin(), angles_of_b_[701 + row].end(),
+                           &rows[row * width + 1 + inputs]));
   }
   EXPECT_EQ(playback_->ports_at("/recording/beside/ports/0/1500/100").value(), "") << "B has ended";
   EXPECT_FALSE(playback_->ports_at("/recording/beside/ports/7/1100/400"));
