@@ -256,15 +256,20 @@ class World {
     if (fresh.state_hash() != simulation_.state_hash())
       fail("a fresh world with the same inputs ends with other bits");
   }
+  void go_back_to(std::uint64_t snapshot) {
+    if (const auto outcome = simulation_.restore_snapshot(snapshot); !outcome.done())
+      fail(("a snapshot is refused: " + outcome.text()).c_str());
+  }
+  // The first restore ends the pulls: whoever held them has let go.
   void restore() {
     if (simulation_.frozen()) return;
     const auto snapshot = simulation_.take_snapshot();
     std::array<std::uint64_t, 2> hashes{};
+    go_back_to(snapshot);
     for (auto& hash : hashes) {
       for (int i = 0; i < 3; ++i) simulation_.tick();
       hash = simulation_.state_hash();
-      if (const auto outcome = simulation_.restore_snapshot(snapshot); !outcome.done())
-        fail(("a snapshot is refused: " + outcome.text()).c_str());
+      go_back_to(snapshot);
     }
     if (hashes[0] != hashes[1]) fail("a restored world goes on with other bits");
   }
