@@ -123,7 +123,11 @@ void RecordingWriter::run() try {
     writer_.flush();
     flushed = Clock::now();
   }
-  writer_.close();
+  // A recording that ended early gets no end, so that whoever reads it is told that something is missing.
+  if (ended())
+    writer_.flush();
+  else
+    writer_.close();
 } catch (const std::bad_alloc&) {
   end(kNoMemory);
 } catch (const std::exception& error) {

@@ -48,6 +48,30 @@ TEST(RecordingWriter, WhatWaitsIsBoundedAndARealtimeWorldNeverWaits) {
   EXPECT_TRUE(writer.ended());
 }
 
+// The tick's thread, too, may be the one that cannot go on.
+TEST(RecordingWriter, ARecordingThatEndedEarlyIsToldToBeCut) {
+  const test::TempFiles files;
+  for (const bool early : {true, false}) {
+    const auto file = files.folder() / "run.mcap";
+    {
+      RecordingWriter writer(file, RecordingWriter::Overflow::kWait);
+      const auto channel = writer.writer().add_channel("/x", 0, "");
+      writer.start();
+      writer.put(channel, 1, 1, {});
+      if (early) writer.end("no more can be put");
+      writer.put(channel, 2, 2, {});
+      EXPECT_EQ(writer.close(), !early);
+    }
+    EXPECT_EQ(messages_of(file, "/x").size(), early ? 1u : 2u);
+    std::ifstream in(file, std::ios::binary);
+    McapReader reader(in);
+    while (!std::holds_alternative<McapReader::End>(reader.next())) {
+    }
+    EXPECT_EQ(reader.damage().find("its writer was cut short") != std::string::npos, early)
+        << reader.damage();
+  }
+}
+
 TEST(Recorder, GoesOnTickingWhereTheRecordingEnded) {
   RecordedWorld world;
   world.run(10);
