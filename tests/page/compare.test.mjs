@@ -45,6 +45,7 @@ class TwoRuns extends Daemon {
   }
 }
 
+const isNear = (value, expected) => Math.abs(value - expected) < 1e-6; // a plot keeps single precision
 const slider = (page) => page.getByRole("slider", { name: "Time of the recording" });
 const sign = (page) => page.locator(".ghost-sign:visible").textContent();
 const list = (page) => page.locator(".differing > summary");
@@ -56,7 +57,7 @@ async function dragTo(page, position) {
   await slider(page).fill(String(position));
   await standsAt(page, position);
 }
-const standsAt = (page, position) => until(page, (at) => Math.abs(visum.simTime() - at / 1000) < 1e-9 && visum.besidePosition() === at, position);
+const standsAt = (page, position) => until(page, (at) => [visum.simTime(), visum.shownTime()].every((time) => Math.abs(time - at / 1000) < 1e-9) && visum.besidePosition() === at, position);
 
 async function csv(page) {
   const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Export as CSV").click()]);
@@ -105,7 +106,7 @@ pageTest("two recordings are shown on one ruler, with the first difference marke
     await look(page, "Above");
     const joints = [1, 2, 3, 4, 5, 6, 7];
     const angles = two.rows(two.b, joints.map((i) => `Actual Angle ${i}`));
-    for (const position of [1900, 1400]) {
+    for (const position of [1900, 1500]) {
       await dragTo(page, position);
       await drawn(page);
       const at = Object.fromEntries(joints.map((i) => [`joint_${i}`, angles[position - 1][i - 1]]));
@@ -144,7 +145,7 @@ pageTest("a port that differs is plotted from both recordings", async (page, cla
   const expected = { a: two.rows(two.a, ["Desired Angle 3"]), b: two.rows(two.b, ["Desired Angle 3"]) };
   const agrees = ({ rows }) => rows.every(([time, a, b]) => {
     const tick = Math.round(1000 * time);
-    return (a === null || Math.abs(a - expected.a[tick - 1][0]) < 1e-6) && (b === null || Math.abs(b - expected.b[tick - 1][0]) < 1e-6);
+    return (a === null || isNear(a, expected.a[tick - 1][0])) && (b === null || isNear(b, expected.b[tick - 1][0]));
   });
 
   await claim("chosen in the list, it is plotted where it parts", async () => {
@@ -153,7 +154,7 @@ pageTest("a port that differs is plotted from both recordings", async (page, cla
     await page.keyboard.press("Escape");
     await standsAt(page, kParting);
     let table = await csv(page);
-    while (table.rows.at(-1)?.[2] !== 0.9) table = await csv(page); // the samples come a moment later
+    while (!isNear(table.rows.at(-1)?.[2], 0.9)) table = await csv(page); // the samples come a moment later
     assert.deepEqual(table.head, ["time [s]", '"arm Desired Angle 3 [rad]"', '"arm Desired Angle 3 · B [rad]"'].map((name) => name.replaceAll('"', "")));
     assert.equal(table.rows.length, kParting);
     assert.ok(agrees(table));
@@ -165,9 +166,10 @@ pageTest("a port that differs is plotted from both recordings", async (page, cla
     await button(page, "Pause").click();
     const lines = page.locator(".u-legend .u-series");
     assert.deepEqual((await lines.allTextContents()).slice(1).map((text) => text.split(/[:–-]/)[0].trim()), ["Desired Angle 3", "Desired Angle 3 · B"]);
-    const table = await csv(page);
+    const both = ({ rows }) => rows.filter(([time, a, b]) => time > 1.25 && a === 0 && isNear(b, 0.9)).length;
+    let table = await csv(page);
+    while (both(table) <= 100) table = await csv(page);
     assert.ok(agrees(table));
-    assert.ok(table.rows.filter(([time, a, b]) => time > 1.25 && a === 0 && b === 0.9).length > 100, "both at the same times");
   });
 
   await claim("it ends where B ends", async () => {
@@ -175,7 +177,8 @@ pageTest("a port that differs is plotted from both recordings", async (page, cla
     let table = await csv(page);
     while (table.rows.length !== kTicksA) table = await csv(page);
     assert.ok(agrees(table));
-    assert.deepEqual([table.rows[kTicksB - 1][2], table.rows[kTicksB][2]], [0.9, null]);
+    assert.ok(isNear(table.rows[kTicksB - 1][2], 0.9));
+    assert.equal(table.rows[kTicksB][2], null);
   });
 }, { serve: () => TwoRuns.start(), ...flat });
 

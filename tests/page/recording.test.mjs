@@ -51,7 +51,7 @@ const found = (page) => page.locator(".timeline-words").textContent();
 // simulated time is its number of ticks.
 async function dragTo(page, position) {
   await slider(page).fill(String(position));
-  await until(page, (seconds) => Math.abs(visum.simTime() - seconds) < 1e-9, position / 1000);
+  await until(page, (seconds) => [visum.simTime(), visum.shownTime()].every((time) => Math.abs(time - seconds) < 1e-9), position / 1000);
   await drawn(page);
 }
 

@@ -31,6 +31,7 @@ export interface VisumApi {
   // The camera's position and target (m, world frame), and its vertical angle of view (degrees).
   camera(): { position: number[]; target: number[]; fov: number };
   simTime(): number; // s
+  shownTime(): number; // s: of the picture, which follows a moment later; without one, as simTime()
   // The position for which the bodies of a second recording, beside the one that is shown, are known: in
   // ticks since the beginning; -1: none.
   besidePosition(): number;
@@ -51,6 +52,7 @@ export function makeApi(parts: Parts, world: World, recording: Recording, view: 
     if (!view) throw new Error("this browser draws no 3D");
     return view;
   };
+  const simTime = () => Number(world.sample?.simTimeNs ?? 0n) / 1e9;
   return {
     ports: () => parts.list.value.flatMap((part) => part.ports.map((entry) => {
       const { name, unit, minimum, maximum } = entry.description;
@@ -76,7 +78,8 @@ export function makeApi(parts: Parts, world: World, recording: Recording, view: 
       const { camera, controls } = shown().viewer.view;
       return { position: camera.position.toArray(), target: controls.target.toArray(), fov: camera.fov };
     },
-    simTime: () => Number(world.sample?.simTimeNs ?? 0n) / 1e9,
+    simTime,
+    shownTime: () => (view ? world.shownMs / 1e3 : simTime()),
     besidePosition: () => recording.bodies.position,
   };
 }
