@@ -34,6 +34,8 @@ class Bounded {
   // by how much the velocities were not as the rows ask, m/s or rad/s.
   // Several threads may solve islands at a time, each with a `worker` of its own (island_pool.h).
   double solve(std::size_t island, std::size_t worker = 0);
+  // True if no row of the island missed more than it may after the last solve().
+  bool is_solved(std::size_t island) const { return parts_[island].rows.solved; }
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
   // and `w`. From now on, until the end of the step, the island's rows are softened and solved by a few
   // sweeps only.

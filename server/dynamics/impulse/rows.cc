@@ -271,12 +271,12 @@ bool Rows::is_at_rest(double least, double share, double rest) {
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   start();
-  island_->rests = is_at_rest(least, share, rest);
+  island_->rests = island_->solved = is_at_rest(least, share, rest);
   if (island_->rests) return 0.0;
   // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
   const double enough = std::max(least, share * note_change());
-  if (!follow_points(enough)) sweep_and_accelerate(most_sweeps, enough);
+  island_->solved = follow_points(enough) || sweep_and_accelerate(most_sweeps, enough) <= enough;
   return missed;
 }
 
@@ -317,7 +317,7 @@ bool Rows::follow_points(double enough) {
 
 double Rows::sweep_gently(int sweeps) {
   start();
-  island_->rests = false;
+  island_->rests = island_->solved = false;
   const double missed = sweep(true);
   for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);
   return missed;

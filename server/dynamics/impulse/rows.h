@@ -95,6 +95,7 @@ struct RowIsland {
   std::span<const double> responses;  // W of each mechanism that has rows, one after the other
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
+  bool solved = false;                // the last solve() left no more than it was allowed to
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
   const Rows* factored_by = nullptr;  // since prepare(): who keeps a factor of some of the rows
 };

@@ -95,6 +95,14 @@ class Stepper {
   double find_gap(std::size_t mechanism, double h, const world::WorldState& state, double law_share);
   // Solves what was asked, and applies the answer to the bodies.
   void give_answer(std::size_t mechanism, Moment moment);
+  // What the mechanism's last answer leaves of its joints' gaps where the look-ahead follows it to first
+  // order: m or rad.
+  double left_by_answer(std::size_t mechanism, double h) const;
+  // Moves the look-ahead along with that answer, to first order.
+  void nudge(std::size_t mechanism, double h);
+  // The same if it leaves next to nothing, along with what answers since the last flight have left. Otherwise
+  // returns false, and the mechanism has to fly again.
+  bool follow_answer(std::size_t mechanism, double h);
   // Corrects what the prediction left. False where the prediction is of no use.
   bool close_foreseen(std::size_t mechanism, double h, const world::WorldState& state);
   // One pass of Newton over a mechanism. Returns the gap that it found.
@@ -113,6 +121,7 @@ class Stepper {
     std::size_t mechanism = 0;          // its own
     bool fell_short = false;
     bool tried = false;
+    bool followed = false;   // the look-ahead has followed the last answers
     std::size_t worker = 0;  // that closes it
   };
   // Takes over what an island's closing has noted.
@@ -123,6 +132,9 @@ class Stepper {
   bool for_islands(Work work);
   // Closes all mechanisms of an island on which rows act, together with the rows.
   bool close_together(std::size_t island, double h, const world::WorldState& state, Fate& fate);
+  // Lets the look-ahead follow what rows have just done to an island's mechanisms. False: one has to fly
+  // again.
+  bool follow_rows(std::size_t island, double h);
   // Looks ahead with the island's bodies without joints, and measures its springs there.
   void look_at_springs(std::size_t island, double h, const world::WorldState& state);
   // How far closing with rows has come: within the bounds, near enough to go on, or neither.
@@ -192,6 +204,8 @@ class Stepper {
   bool fell_short_ = false, divisible_ = false;
   bool one_thread_ = false;  // in this tick
   std::vector<Fate> fates_;  // by island
+  // By mechanism with rows: m or rad that the answers since its last flight leave of its joints' gaps.
+  std::vector<double> left_;
   // Islands with rows on mechanisms where nothing but gravity does work, and their bodies.
   std::vector<Watched> watched_;
   std::vector<std::size_t> bound_bodies_;

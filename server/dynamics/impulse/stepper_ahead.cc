@@ -75,6 +75,30 @@ void Stepper::give_answer(std::size_t m, Moment moment) {
   take_axis_impulses(plant_, m, moment);
 }
 
+// The rest is below the product of the answer's change and the angle that a body turns in a step, taken twice
+// because the levers of both bodies turn.
+double Stepper::left_by_answer(std::size_t m, double h) const {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  return 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
+}
+
+void Stepper::nudge(std::size_t m, double h) {
+  const Mechanism& mechanism = plant_.mechanisms[m];
+  mechanism.nudge(plant_.bodies, h);
+  for (Axis& axis : plant_.acting_axes_of(m))
+    axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
+}
+
+// An axis that closes a loop is not in the tree's answer, so mechanisms with loops fly again.
+bool Stepper::follow_answer(std::size_t m, double h) {
+  if (plant_.mechanisms[m].loop_count() > 0) return false;
+  double& left = left_[m];
+  left += left_by_answer(m, h);
+  if (!(left <= d_max(m))) return false;
+  nudge(m, h);
+  return true;
+}
+
 // One pass of Newton over a mechanism's joints. The first pass includes the drives' known impulses. Returns
 // the gap that it found; below d_max it does nothing.
 double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
@@ -107,20 +131,14 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
 }
 
 // Corrects the prediction. If the answer changes the look-ahead by little, the look-ahead is changed to first
-// order instead of being flown again. The rest is below the product of that change and the angle that a body
-// turns in a step, taken twice because the levers of both bodies turn. Returns false where the prediction is
-// of no use.
+// order instead of being flown again. Returns false where the prediction is of no use.
 bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& state) {
   const double gap = find_gap(m, h, state, kLawShare);
   if (gap <= kUntouched * d_max(m)) return true;
   if (!(gap <= kFar)) return false;
   give_answer(m, kAhead);
-  const Mechanism& mechanism = plant_.mechanisms[m];
-  const double left = 4.0 * h * h * mechanism.largest_answer() * mechanism.largest_turn(plant_.bodies);
-  if (!(std::abs(left) <= d_max(m))) return close_by_newton(m, h, state, true);
-  mechanism.nudge(plant_.bodies, h);
-  for (Axis& axis : plant_.acting_axes_of(m))
-    axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
+  if (!(left_by_answer(m, h) <= d_max(m))) return close_by_newton(m, h, state, true);
+  nudge(m, h);
   return true;
 }
 
@@ -180,6 +198,10 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
     if (!bounded_.binds(m)) continue;
     if (iterates_) corrector_->forget_look_ahead(m);
     const double gap = iterates_ ? correct(m, h, state, pass) : close(m, h, state, pass);
+    if (!iterates_) {
+      left_[m] = 0.0;
+      if (!(gap <= d_max(m))) follow_answer(m, h);
+    }
     closed = closed && gap <= d_max(m);
     if (gap <= largest || std::isnan(largest)) continue;
     largest = gap;
@@ -189,11 +211,22 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
   return largest;
 }
 
+bool Stepper::follow_rows(std::size_t island, double h) {
+  bool followed = true;
+  for (const std::size_t m : plant_.islands.mechanisms(island))
+    if (bounded_.binds(m)) followed = follow_answer(m, h) && followed;
+  return followed;
+}
+
 // Alternates Newton's passes over the joints of an island's mechanisms with rows, and solutions of the rows.
+// A further pass is not needed where joints and rows have been answered and the answers' own rest, of second
+// order, is next to nothing: the look-ahead has then followed them.
 Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const world::WorldState& state,
                                          bool gently, Fate& fate) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
+  // The lengths of springs are known of a flight only.
+  const bool may_follow = !gently && !iterates_ && plant_.islands.springs(island).empty();
   for (int pass = 0; pass < bounds_.most_passes; ++pass) {
     // The joints first; the worst one is noted in case nothing closes.
     largest = close_joints(island, h, state, pass, closed, fate);
@@ -203,6 +236,8 @@ Stepper::Closed Stepper::close_with_rows(std::size_t island, double h, const wor
     look_at_springs(island, h, state);
     moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(h) * bounded_.solve(island, fate.worker);
     if (!std::isfinite(moved)) return Closed::kNo;
+    fate.followed = may_follow && follow_rows(island, h);
+    if (fate.followed && bounded_.is_solved(island)) return Closed::kYes;
     if (closed && (gently || moved <= bounds_.d_max)) return Closed::kYes;
   }
   // The passes are used up: what is near enough goes on, unless shorter steps may do better.
@@ -226,6 +261,7 @@ bool Stepper::close_together(std::size_t island, double h, const world::WorldSta
   }
   if (closed == Closed::kNo) return false;
   fate.fell_short = fate.fell_short || closed == Closed::kNearly;
+  if (fate.followed) return true;
   // Brings the look-ahead up to date with the last impulses.
   for (const std::size_t m : mechanisms) {
     if (!bounded_.binds(m)) continue;
@@ -252,6 +288,7 @@ bool Stepper::look_ahead(double h, const world::WorldState& state) {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m)
     if (!plant_.mechanism_asleep[m] && !bounded_.binds(m) && !close_alone(m, h, state)) return false;
   fates_.assign(plant_.islands.size(), {});
+  left_.resize(plant_.mechanisms.size());
   const bool closed = for_islands([&](std::size_t worker, std::size_t island) {
     fates_[island] = {.tried = true, .worker = worker};
     return close_together(island, h, state, fates_[island]);
