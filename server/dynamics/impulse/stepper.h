@@ -95,8 +95,8 @@ class Stepper {
   double find_gap(std::size_t mechanism, double h, const world::WorldState& state, double law_share);
   // Solves what was asked, and applies the answer to the bodies.
   void give_answer(std::size_t mechanism, Moment moment);
-  // Returns how much the mechanism's last answer leaves of its joints' gaps where the look-ahead follows it to
-  // first order: m or rad.
+  // Returns how much the mechanism's last answer leaves of its joints' gaps where the look-ahead follows it
+  // to first order: m or rad.
   double left_by_answer(std::size_t mechanism, double h) const;
   // Moves the look-ahead along with that answer, to first order.
   void nudge(std::size_t mechanism, double h);
