@@ -197,6 +197,7 @@ pageTest("another scene is chosen on the page, which is then as after connecting
   });
   await claim("all pages show the scene, and the plots that were kept for it", async () => {
     for (const one of [page, other]) await isShown(one, "amtec_arm");
+    assert.ok(await inMenu(other).evaluate(({ open }) => open), "the answer to the question closes no menu");
     await page.getByRole("region", { name: "Plot", exact: true }).waitFor();
     await until(page, () => Number.isFinite(visum.read("arm", "Actual Angle 2")));
     assert.equal(await page.evaluate(() => document.querySelector(".part .holder").textContent), "free", "leases end");

@@ -2,12 +2,12 @@
 // checks are shown as soon as their results are certain, and its verdict at its end. Another client may have
 // started it.
 import type { Link } from "../link/link";
-import { EventLevel, ScenarioVerdict, type ScenarioState } from "../link/messages";
+import { EventLevel, type ScenarioState } from "../link/messages";
 import { h, setText } from "../ui/dom";
 import { reportError, reportTold } from "../ui/toasts";
-import type { Tone } from "../ui/tone";
 import { actButton, section } from "./act";
 import { NameList, type NameRow } from "./name_list";
+import { verdictOf } from "./verdict";
 
 export class ScenariosSection {
   readonly element: HTMLElement;
@@ -87,14 +87,4 @@ function checkLine({ name, passed, text }: ScenarioState["checks"][number]): HTM
   const mark = h("span", { class: "check-mark" }, passed ? "✓ passed" : "✗ failed");
   mark.dataset["tone"] = passed ? "good" : "bad";
   return h("li", {}, mark, h("span", { class: "check-name" }, name), h("span", { class: "check-text" }, text));
-}
-
-// The verdict in words, and its colour. Pure.
-export function verdictOf({ running, verdict, checks }: Pick<ScenarioState, "running" | "verdict" | "checks">): [string, Tone] {
-  if (running) {
-    const failed = checks.filter(({ passed }) => !passed).length;
-    return failed > 0 ? [`runs, ${failed} failed`, "bad"] : ["runs", "busy"];
-  }
-  if (verdict === ScenarioVerdict.PASSED) return ["passed", "good"];
-  return verdict === ScenarioVerdict.FAILED ? ["failed", "bad"] : ["invalid", "warn"];
 }
