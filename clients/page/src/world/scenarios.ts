@@ -15,7 +15,7 @@ export class ScenariosSection {
   private readonly title = h("span", { class: "menu-name" });
   private readonly verdict = h("span", { class: "verdict" });
   private readonly text = h("p", { class: "menu-note" });
-  private readonly checks = h("ul", { class: "checks", "aria-label": "Checks" });
+  private readonly checks = h("ul", { class: "checks", tabindex: 0, "aria-label": "Checks" });
   private readonly stop = actButton("Stop", () => this.end(), "Stop the scenario");
   private readonly course = h("div", { class: "course", role: "group", "aria-label": "The scenario that runs or ran last", hidden: true },
     h("div", { class: "menu-row" }, this.title, h("span", { role: "status" }, this.verdict), this.stop), this.text, this.checks);
