@@ -101,7 +101,10 @@ for (const colorScheme of ["light", "dark"])
     await button(page, "Log").click();
     await page.locator(".log-line").first().waitFor();
     await button(page, "World").click();
-    await until(page, () => document.querySelector(".fault-effect").textContent !== "");
+    await until(page, () => document.querySelector(".fault-effect").textContent !== "" && document.querySelectorAll(".names li").length > 2);
+    await page.getByRole("searchbox", { name: "Search scenarios" }).fill("wave");
+    await button(page, "Start two_link_wave").click();
+    await until(page, () => document.querySelector(".verdict").textContent === "passed");
     await assertAccessible(page);
   }, { colorScheme });
 

@@ -31,11 +31,13 @@ pageTest("the tool is jogged along axes, to typed coordinates, and stops at the 
     await button(page, "Tool z more").click();
     await arrives(page, [start[0], start[1], start[2] + 0.05]);
   });
-  await claim("typed coordinates are reached", async () => {
+  await claim("typed coordinates are reached, also those that are typed while it moves", async () => {
     await field(page, "y").fill(String(start[1] + 0.08));
     await field(page, "y").press("Enter");
-    await arrives(page, [start[0], start[1] + 0.08, start[2] + 0.05]);
-    await field(page, "y").blur();
+    await field(page, "z").fill(String(start[2] + 0.02));
+    await field(page, "z").press("Enter");
+    await field(page, "z").blur();
+    await arrives(page, [start[0], start[1] + 0.08, start[2] + 0.02]);
   });
   await claim("out of reach it stops, and says so", async () => {
     await field(page, "x").fill("3");

@@ -17,7 +17,7 @@ import { connectionBadge, lostBanner, realityBadge } from "./bar/connection";
 import { frozenBanner } from "./bar/frozen";
 import { firstSteps, showKeys } from "./bar/help";
 import { listenForKeys } from "./bar/keys";
-import { kTold, resetWorld } from "./bar/reset";
+import { resetWorld } from "./bar/reset";
 import { StopButton } from "./bar/stop";
 import { PartStrip } from "./bar/strip";
 import { TimeControls } from "./bar/time_controls";
@@ -45,7 +45,7 @@ import { Tree } from "./tree/tree";
 import { h, setText } from "./ui/dom";
 import { Layout } from "./ui/layout";
 import { tabs } from "./ui/tabs";
-import { report, reportError } from "./ui/toasts";
+import { report, reportError, reportTold } from "./ui/toasts";
 import { makeSceneView } from "./view3d/scene_view";
 import { WorldMenu } from "./world/menu";
 
@@ -82,7 +82,7 @@ const scene = h("span", { class: "scene" });
 const strip = new PartStrip(link, parts);
 const stop = new StopButton(link, clock, strip);
 layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element, connectionBadge(link, parts, clock), stop.element,
-  h("div", { class: "second" }, strip.element, layout.toggles, new WorldMenu(link, world, parts, events, reset).element), timeline(recording, (different) => {
+  h("div", { class: "second" }, strip.element, layout.toggles, new WorldMenu(link, world, parts, clock, events, reset).element), timeline(recording, (different) => {
     const port = parts.port(different.part, different.port);
     if (port) plot([port]);
   }));
@@ -92,15 +92,21 @@ if (hint) layout.view.append(hint);
 layout.view.append(lostBanner(link), frozenBanner(link, clock, () => reset()), new CameraTiles(parts).element);
 window.visum = makeApi(parts, world, recording, view);
 
-// The page is live when it is connected, has drawn data of this connection, and knows whether time runs.
+// The page is live when it is connected, has drawn data of this world, and knows whether time runs.
+let known = false; // the parts of this world
 let fresh = false;
+function begin(): void {
+  known = fresh = false;
+  document.documentElement.dataset["visum"] = "loading";
+  void readAnew().catch(reportError);
+}
 link.state.watch((state) => {
-  fresh = false;
-  document.documentElement.dataset["visum"] = state.kind === "open" ? "loading" : state.kind;
-  if (state.kind === "open") void begin().catch(reportError);
+  if (state.kind === "open") return begin();
+  known = fresh = false;
+  document.documentElement.dataset["visum"] = state.kind;
 });
 world.sampled.on((sample) => {
-  fresh = true;
+  fresh = known;
   time.showTime(Number(sample.simTimeNs) / 1e9);
 });
 if (view) view.viewer.drawn.on(markLive);
@@ -110,12 +116,17 @@ function markLive(): void {
   if (fresh && link.welcome && clock.status.value) document.documentElement.dataset["visum"] = "live";
 }
 
-async function begin(): Promise<void> {
-  setText(scene, link.welcome?.scene ?? "");
-  document.title = `${link.welcome?.scene ?? ""} · Visum`;
+world.description.watch((description) => {
+  setText(scene, description?.scene ?? "");
+  document.title = `${description?.scene ?? ""} · Visum`;
+});
+
+// After each hello; and after another scene was loaded, which ends leases and subscriptions.
+async function readAnew(): Promise<void> {
   await parts.begin();
   await recording.begin(parts.steering);
   await events.begin().catch(reportError); // the world is worth showing without its log
+  known = true;
   await world.begin();
   await clock.refresh();
   await keeper.restore();
@@ -137,10 +148,11 @@ clock.status.watch((status) => {
   parts.adaptTo(status.realTimeFactor).catch(reportError);
 });
 
-// Others reset the world, too.
+// Others reset the world, and load scenes, too.
 link.told.on((body) => {
-  if (body.case !== "event" || body.value.kind !== "era" || link.recorded.value) return;
-  report(kTold);
+  if (body.case !== "event" || link.recorded.value) return;
+  if (body.value.kind === "era") reportTold(body.value.text);
+  if (body.value.kind === "load") begin();
 });
 
 watchLeaving(parts);

@@ -7,7 +7,7 @@ import type { Parts } from "../model/parts";
 import { ask } from "../ui/ask";
 import { report, reportError } from "../ui/toasts";
 
-export const kTold = "The world was reset or restored"; // as the server's event tells it to all
+const kTold = "The world was reset or restored"; // as the server's event tells it to all
 
 export async function resetWorld(link: Link, clock: Clock, parts: Parts, scope = ResetScope.WORLD): Promise<void> {
   const concerned = whoElse(link.name, parts.list.value.map((part) => part.holder.value), clock.status.value?.sessions ?? 1);

@@ -34,7 +34,7 @@ export class LayoutKeeper {
       const shared = first ? await fromHash(kPrefix, location.hash) : null;
       if (shared !== null) return this.use(parseLayout(shared));
       const kept = localStorage.getItem(kStored + scene);
-      if (kept) this.plots.restore(parseLayout(kept).plots);
+      this.plots.restore(kept ? parseLayout(kept).plots : []);
     } catch (error) {
       reportError(error);
     }

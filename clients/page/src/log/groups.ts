@@ -4,9 +4,9 @@ import type { Happening } from "../model/events";
 const kGroups = {
   faults: ["fault", "fault_cleared", "emergency_stop", "frozen", "fault_refused", "push_refused"],
   control: ["lease_granted", "lease_released", "lease_lost", "lockstep_timeout", "parameter"],
-  time: ["pause", "resume", "reset", "era", "snapshot", "restore", "recording", "world_changed"],
+  time: ["pause", "resume", "reset", "era", "snapshot", "restore", "recording", "world_changed", "load"],
   lines: ["line", "log"],
-  checks: ["check"],
+  checks: ["check", "scenario"],
 } as const;
 export const kGroupNames = [...Object.keys(kGroups), "other"];
 

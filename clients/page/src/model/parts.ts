@@ -2,7 +2,7 @@
 // them.
 import { clone, equals } from "@bufbuild/protobuf";
 import type { Link } from "../link/link";
-import { PartDescriptionSchema, type Event, type PartDescription } from "../link/messages";
+import { ErrorCode, PartDescriptionSchema, RequestError, type Event, type PartDescription } from "../link/messages";
 import { Part, type Port } from "./part";
 import { poll } from "./poll";
 import { Emitter, Signal } from "../common/signal";
@@ -102,7 +102,7 @@ export class Parts {
   private async subscribe(): Promise<void> {
     const welcome = this.link.welcome;
     if (!welcome) return;
-    for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor);
+    for (const part of this.list.value) await part.subscribe(Number(welcome.tickNs), this.realTimeFactor).catch(unlessGone);
   }
 
   private onEvent(event: Event): void {
@@ -124,6 +124,11 @@ export class Parts {
       part.holder.value = leaseOwner;
     }
   }
+}
+
+// A part may go with its model or scene before the list tells it.
+function unlessGone(error: unknown): void {
+  if (!(error instanceof RequestError && error.code === ErrorCode.ERROR_UNKNOWN_NAME)) throw error;
 }
 
 // The description without the fields that change while the part stays the same.

@@ -93,7 +93,7 @@ export class PanelView {
     this.element.replaceChildren(...this.placed.map(({ element }) => element));
     this.leases = this.parts.list.value.map((part) => part.leased.watch(() => this.enable()));
     this.setEditing(this.editing);
-    void this.parts.plotted();
+    this.parts.plotted().catch(reportError);
   }
 
   private place(data: WidgetData): Placed {

@@ -33,6 +33,11 @@ export class Mover {
     return this.now?.pose ?? (this.arm ? this.arm.at(this.arm.commanded()) : null);
   }
 
+  // Where it goes to; where it is commanded to be, if it does not move. In the base's frame.
+  target(): Pose | null {
+    return this.goal ?? this.commanded();
+  }
+
   // `follow`: as near as can be, where the goal is out of reach, as under a hand that drags.
   go(goal: Pose, follow = false): void {
     if (!this.arm) return;

@@ -87,17 +87,26 @@ export class ToolPane {
 
   private field(axis: string, index: number): HTMLInputElement {
     const input = h("input", { type: "number", step: "any", "aria-label": `${axis} of the tool, ${index < 3 ? "m" : "degrees"}` });
-    input.addEventListener("change", () => Number.isFinite(input.valueAsNumber) && this.goTyped());
+    input.addEventListener("change", () => Number.isFinite(input.valueAsNumber) && this.goTyped(index, input.valueAsNumber));
     return input;
   }
 
-  // All six fields together are the goal, so that several may be typed one after the other.
-  private goTyped(): void {
-    const values = this.fields.map((input) => input.valueAsNumber);
-    if (!values.every(Number.isFinite) || !this.isUsable) return;
+  // The other coordinates are those of the goal on the way to it, so that several may be typed one after the
+  // other while the tool moves.
+  private goTyped(index: number, value: number): void {
+    const from = this.mover.target();
+    if (!from || !this.isUsable) return;
+    const values = this.coordinates(from);
+    values[index] = value;
     const [x, y, z, ...turns] = values as [number, number, number, number, number, number];
     const shown: Pose = { position: [x, y, z], orientation: fromRpy(turns.map((angle) => angle * kDegree) as Vector) };
     this.mover.go(fromFrame(shown, this.basePose(), this.frame.value as FrameName));
+  }
+
+  // As the fields show a pose of the base's frame: m and degrees.
+  private coordinates(pose: Pose): number[] {
+    const shown = inFrame(pose, this.basePose(), this.frame.value as FrameName);
+    return [...shown.position, ...toRpy(shown.orientation).map((angle) => angle / kDegree)];
   }
 
   private jog(axis: string, index: number, sign: number): HTMLButtonElement {
@@ -138,8 +147,7 @@ export class ToolPane {
     this.take.disabled = !this.link.mayCommand;
     setText(this.take, `Take control of ${arm.part.name}`);
     this.teach.enable(usable);
-    const shown = inFrame(this.actual(arm), this.basePose(), this.frame.value as FrameName);
-    const numbers = [...shown.position, ...toRpy(shown.orientation).map((angle) => angle / kDegree)];
+    const numbers = this.coordinates(this.actual(arm));
     this.fields.forEach((input, i) => {
       if (document.activeElement !== input) input.value = numbers[i]!.toFixed(i < 3 ? 4 : 2).replace(/^-(?=[0.]*$)/, "");
     });

@@ -27,6 +27,11 @@ export function report(text: string, kind: "note" | "error" = "note", action?: A
   setTimeout(() => toast.remove(), action ? kOfferedMs : kShownMs);
 }
 
+// What the server tells, as a sentence of its own.
+export function reportTold(text: string, kind: "note" | "error" = "note"): void {
+  report(text.charAt(0).toUpperCase() + text.slice(1), kind);
+}
+
 // For the catch of a promise: shows the server's own text. A lost connection has its own sign.
 export function reportError(error: unknown): void {
   if (error instanceof LostError) return;

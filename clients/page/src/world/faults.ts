@@ -60,7 +60,7 @@ export class FaultsSection {
   }
 
   private async look(): Promise<void> {
-    if (this.element.offsetParent === null || this.part.value === "" || !this.link.mayChangeWorld) return;
+    if (!this.element.checkVisibility() || this.part.value === "" || !this.link.mayChangeWorld) return;
     const list = await this.link.request({ case: "listFaults", value: { part: this.part.value } }, "faults").catch(() => null);
     if (list) this.showActive(list);
   }

@@ -1,8 +1,11 @@
-// The menu "World": what a user does to it. Bookmarks of its state, a recording, models and bodies that come
-// and go, faults on purpose, and what a reset takes back. A section has an element, and a function `open` if
-// it asks the server for something when the menu opens.
+// The menu "World": what a user does to it. Another scene, scenarios beside it, bookmarks of its state, a
+// recording, models and bodies that come and go, faults on purpose, and what a reset takes back. A section has
+// an element, and a function `open` or `show` if it needs something of the server when the menu opens. All
+// this needs the role admin; others see which scenes and scenarios there are, how a scenario fares, and why
+// they may do no more.
 import { ResetScope } from "../link/messages";
 import type { Link } from "../link/link";
+import type { Clock } from "../model/clock";
 import type { Events } from "../model/events";
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
@@ -15,6 +18,8 @@ import { BookmarksSection } from "./bookmarks";
 import { FaultsSection } from "./faults";
 import { ModelsSection } from "./models";
 import { RecordingSection } from "./recording";
+import { ScenariosSection } from "./scenarios";
+import { ScenesSection } from "./scenes";
 
 const kScopes: [string, ResetScope][] = [
   ["time and state", ResetScope.WORLD], ["state alone", ResetScope.STATE], ["time alone", ResetScope.TIME],
@@ -23,18 +28,42 @@ const kScopes: [string, ResetScope][] = [
 
 export class WorldMenu {
   readonly element: HTMLDetailsElement;
+  private readonly scenes: ScenesSection;
+  private readonly scenarios: ScenariosSection;
+  private readonly faults: FaultsSection;
+  private readonly models: ModelsSection;
 
-  constructor(link: Link, world: World, parts: Parts, events: Events, private readonly reset: (scope: ResetScope) => void) {
-    const bookmarks = new BookmarksSection(link, world);
-    const faults = new FaultsSection(link, parts);
-    const models = new ModelsSection(link, world);
-    const content = h("div", { class: "world-menu" }, bookmarks.element, new RecordingSection(link, events).element, models.element, new BodiesSection(link, world).element, faults.element, this.resets());
-    this.element = popover("World", content);
+  constructor(private readonly link: Link, world: World, parts: Parts, clock: Clock, events: Events, private readonly reset: (scope: ResetScope) => void) {
+    this.scenes = new ScenesSection(link, world, parts, clock);
+    this.scenarios = new ScenariosSection(link);
+    this.faults = new FaultsSection(link, parts);
+    this.models = new ModelsSection(link, world);
+    const why = h("p", { class: "menu-note", role: "note" }, "Only an administrator changes the world. Choose the role Admin in the bar, if the server lets you.");
+    const changes = h("div", { class: "world-menu" }, new BookmarksSection(link, world).element, new RecordingSection(link, events).element, this.models.element, new BodiesSection(link, world).element, this.faults.element, this.resets());
+    this.element = popover("World", h("div", { class: "world-menu" }, why, this.scenes.element, this.scenarios.element, changes));
     this.element.classList.add("world");
-    this.element.addEventListener("toggle", () => this.element.open && void Promise.all([faults.open(), models.open()]).catch(reportError));
-    const show = () => (this.element.hidden = !link.mayChangeWorld);
+    this.element.addEventListener("toggle", () => this.open());
+    const show = () => {
+      this.element.hidden = link.welcome === null || link.recorded.value;
+      why.hidden = link.mayChangeWorld;
+      changes.hidden = !link.mayChangeWorld;
+      this.open();
+    };
     link.state.watch(show);
     link.recorded.watch(show);
+  }
+
+  private open(): void {
+    if (!this.element.open || !this.link.welcome || this.element.hidden) return;
+    const asked = [this.offer()];
+    if (this.link.mayChangeWorld) asked.push(this.faults.open(), this.models.open());
+    void Promise.all(asked).catch(reportError);
+  }
+
+  private async offer(): Promise<void> {
+    const { scenes, scenarios } = await this.link.request({ case: "listScenes", value: {} }, "scenes");
+    this.scenes.show(scenes);
+    this.scenarios.show(scenarios);
   }
 
   private resets(): HTMLElement {
