@@ -38,13 +38,15 @@ export interface PlotData {
   seconds: number; // of its time axis
 }
 
+const kGaps = "Shaded: this page was too busy to take the samples. A recording has them all.";
+
 export class Plot {
   readonly element: HTMLElement;
   readonly ports: Port[] = [];
   private readonly place = h("div", { class: "plot-place" });
   private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
   private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
-  private readonly gapNote = h("p", { class: "gap-note", hidden: true }, "Shaded: this page was too busy to take the samples. A recording has them all.");
+  private readonly gapNote = h("p", { class: "gap-note", hidden: true, title: kGaps }, kGaps);
   private readonly phase: HTMLButtonElement;
   private readonly stops = new Map<Port, () => void>(); // they end the recording
   private plot: uPlot | null = null;
