@@ -27,7 +27,7 @@ export function report(text: string, kind: "note" | "error" = "note", action?: A
   setTimeout(() => toast.remove(), action ? kOfferedMs : kShownMs);
 }
 
-// What the server tells, as a sentence of its own.
+// Shows a text of the server as a sentence of its own.
 export function reportTold(text: string, kind: "note" | "error" = "note"): void {
   report(text.charAt(0).toUpperCase() + text.slice(1), kind);
 }

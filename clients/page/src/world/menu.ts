@@ -1,8 +1,8 @@
 // The menu "World": what a user does to it. Another scene, scenarios beside it, bookmarks of its state, a
-// recording, models and bodies that come and go, faults on purpose, and what a reset takes back. A section has
-// an element, and a function `open` or `show` if it needs something of the server when the menu opens. All
-// this needs the role admin; others see which scenes and scenarios there are, how a scenario fares, and why
-// they may do no more.
+// recording, models and bodies that come and go, faults on purpose, and what a reset takes back. A section
+// has an element, and a function `open` or `show` if it needs something of the server when the menu opens.
+// All this needs the role admin. Others see which scenes and scenarios there are, how a scenario fares, and
+// why they may do no more.
 import { ResetScope } from "../link/messages";
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
