@@ -12,12 +12,12 @@ const lines = (page) => page.getByRole("listbox", { name: "What happened" });
 const line = (page, text) => lines(page).getByRole("option").filter({ hasText: text });
 const marks = (page) => page.locator(".ruler .mark").count();
 
-// A daemon that keeps its files in a folder of its own.
+// A daemon that keeps its files in a folder of its own. `optionsFor` may write more into it.
 class Keeping extends Daemon {
-  static async start(...options) {
+  static async start(optionsFor = () => []) {
     const daemon = new Keeping();
     daemon.folder = mkdtempSync(join(tmpdir(), "visum-files-"));
-    await daemon.serve("--files", daemon.folder, ...options);
+    await daemon.serve("--files", daemon.folder, ...optionsFor(daemon.folder));
     return daemon;
   }
   async stop() {
@@ -155,14 +155,14 @@ pageTest("another scene is chosen on the page, which is then as after connecting
     assert.deepEqual(await shownNames(scenes(page)), ["cart", "cart_fleet"]);
   });
   await claim("alone, nobody is asked; view, parts, panel and plots are those of the scene", async () => {
+    const told = page.locator(".toast", { hasText: "The scene 'cart' was loaded" }).first().waitFor(); // it goes by itself
     await load(page, "cart");
-    await isShown(page, "cart");
+    await Promise.all([isShown(page, "cart"), told]);
     await page.getByRole("region", { name: "Part cart", exact: true }).waitFor();
     assert.equal(await page.getByRole("region", { name: "Part arm", exact: true }).count(), 0);
     assert.equal(await page.locator(".scene").textContent(), "cart");
     assert.ok((await page.evaluate(() => visum.bodies())).includes("cart/chassis"));
     assert.equal(await page.locator(".plot").count(), 0);
-    await page.locator(".toast", { hasText: "The scene 'cart' was loaded" }).first().waitFor();
     assert.deepEqual(await scenes(page).locator(".here .menu-name").allTextContents(), ["cart"]);
     await drawn(page);
     const fresh = await openPage(browser, daemon);
@@ -206,9 +206,9 @@ pageTest("another scene is chosen on the page, which is then as after connecting
 });
 
 // Files of an installation: a scene that cannot be read, and scenarios that pass, fail, and go on.
-function writeInstallation() {
-  const models = mkdtempSync(join(tmpdir(), "visum-models-"));
-  for (const folder of ["scenes", "scenarios"]) mkdirSync(join(models, folder));
+function writeInstallation(files) {
+  const models = join(files, "models");
+  for (const folder of ["scenes", "scenarios"]) mkdirSync(join(models, folder), { recursive: true });
   writeFileSync(join(models, "scenes/broken.yaml"), "visum: 1\nbodies:\n  - {name: box, mass: heavy}\n");
   const scenario = (name, text) => writeFileSync(join(models, "scenarios", `${name}.yaml`), `visum_scenario: 1\nname: ${name}\nscene: ${join(source, "models/scenes/amtec_arm.yaml")}\n${text}`);
   const upright = "{name: never tips over, that: {tilt: {body: box}, below: 1}, when: always}";
@@ -217,7 +217,7 @@ function writeInstallation() {
   scenario("good", `until: {at_s: 0.4}\nchecks: [${upright}, ${there}]\n`);
   scenario("bad", `until: {at_s: 0.4}\nchecks: [${flies}, ${there}]\n`);
   scenario("endless", `max_sim_s: 100000\nuntil: {at_s: 90000}\nclock: realtime\nchecks: [${there}, ${flies}]\n`);
-  return models;
+  return ["--models", models];
 }
 
 pageTest("scenarios are run on the page: their checks live, their verdict in words and colour", async (page, claim, daemon) => {
@@ -265,8 +265,9 @@ pageTest("scenarios are run on the page: their checks live, their verdict in wor
     visum(daemon, "scenario", "start", "good");
     await verdict("passed", "good");
     await page.keyboard.press("Escape");
+    const told = page.locator(".toast.error").getByText("The scenario 'bad' has failed").waitFor(); // it goes by itself
     visum(daemon, "scenario", "start", "bad");
-    await page.locator(".toast.error").getByText("The scenario 'bad' has failed").waitFor();
+    await told;
   });
   await claim("an observer sees both lists, and why nothing can be done", async () => {
     await page.getByRole("combobox", { name: "Role", exact: true }).selectOption("Observer");
@@ -283,7 +284,7 @@ pageTest("scenarios are run on the page: their checks live, their verdict in wor
       assert.deepEqual(await axeFindings(page), []);
     }
   });
-}, { serve: () => Keeping.start("--models", writeInstallation()), ...flat });
+}, { serve: () => Keeping.start(writeInstallation), ...flat });
 
 pageTest("a layout is kept for its scene, and shared by a link", async (page, claim, daemon) => {
   await button(page, "Plot Actual Angle 2").click();
