@@ -213,7 +213,8 @@ class UrdfReader {
     for (const RobotJoint& joint : model_.joints) below.emplace(joint.parent, &joint);
     std::vector<std::string> placed{kWorldLink};
     for (const auto& [name, link] : links)
-      if (std::ranges::none_of(model_.joints, [&](const auto& joint) { return joint.child == name; }))
+      if (std::ranges::none_of(model_.joints,
+                               [&name = name](const auto& joint) { return joint.child == name; }))
         placed.push_back(name);
     for (std::size_t i = 0; i < placed.size(); ++i) {
       const auto upper = links.find(placed[i]);
