@@ -1,18 +1,23 @@
 // The graph of a controller's modules, with the paper's figure 6: three parts in three processes.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { flat, pageTest, until } from "./harness.mjs";
 import { bin } from "./programs.mjs";
 
-function start(kind, lower) {
-  return spawn(join(bin, `visum-mca-${kind}`), ["--lower", lower, "--port", "0"], { stdio: "ignore" });
+function start(kind, lower, ...more) {
+  return spawn(join(bin, `visum-mca-${kind}`), ["--lower", lower, "--port", "0", ...more], { stdio: "ignore" });
 }
 
 pageTest("the modules of a controller are a graph whose groups open", async (page, claim, daemon) => {
   const server = `127.0.0.1:${daemon.port}`;
   const visum = (...words) => execFileSync(join(bin, "visum"), [...words, "--connect", server], { encoding: "utf8" });
-  const parts = [start("hardware", `arm@${server}`), start("motion", `hardware@${server}`), start("task", `motion@${server}`)];
+  const folder = mkdtempSync(join(tmpdir(), "visum-modules-"));
+  const waits = join(folder, "waits.yaml"); // at its first pose, as long as the page is looked at
+  writeFileSync(waits, "Sequence: {Pause: 60}\n");
+  const parts = [start("hardware", `arm@${server}`), start("motion", `hardware@${server}`), start("task", `motion@${server}`, "--configfile", waits)];
   const node = (name) => page.locator(".modules-node", { hasText: name });
   try {
     await page.getByRole("tab", { name: "Modules" }).click();
@@ -47,5 +52,6 @@ pageTest("the modules of a controller are a graph whose groups open", async (pag
     });
   } finally {
     for (const part of parts) part.kill("SIGKILL");
+    rmSync(folder, { recursive: true });
   }
 }, flat);
