@@ -155,7 +155,8 @@ pageTest("another scene is chosen on the page, which is then as after connecting
     assert.deepEqual(await shownNames(scenes(page)), ["cart", "cart_fleet"]);
   });
   await claim("alone, nobody is asked; view, parts, panel and plots are those of the scene", async () => {
-    const told = page.locator(".toast", { hasText: "The scene 'cart' was loaded" }).first().waitFor(); // it goes by itself
+    // It goes by itself.
+    const told = page.locator(".toast", { hasText: "The scene 'cart' was loaded" }).first().waitFor();
     await load(page, "cart");
     await Promise.all([isShown(page, "cart"), told]);
     await page.getByRole("region", { name: "Part cart", exact: true }).waitFor();
@@ -265,7 +266,8 @@ pageTest("scenarios are run on the page: their checks live, their verdict in wor
     visum(daemon, "scenario", "start", "good");
     await verdict("passed", "good");
     await page.keyboard.press("Escape");
-    const told = page.locator(".toast.error").getByText("The scenario 'bad' has failed").waitFor(); // it goes by itself
+    // It goes by itself.
+    const told = page.locator(".toast.error").getByText("The scenario 'bad' has failed").waitFor();
     visum(daemon, "scenario", "start", "bad");
     await told;
   });
