@@ -200,6 +200,7 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
     const double gap = iterates_ ? correct(m, h, state, pass) : close(m, h, state, pass);
     if (!iterates_) {
       left_[m] = 0.0;
+      // An answer that cannot be followed stays in left_, so that follow_rows() fails, too.
       if (!(gap <= d_max(m))) follow_answer(m, h);
     }
     closed = closed && gap <= d_max(m);

@@ -28,7 +28,7 @@ export class ScenariosSection {
     link.told.on((body) => {
       if (body.case !== "event" || (body.value.kind !== "check" && body.value.kind !== "scenario")) return;
       void this.look();
-      // With the menu closed, it is told all the same that one begins and how it ends
+      // With the menu closed, it is told all the same that one begins and how it ends.
       if (body.value.kind === "scenario" && !this.element.checkVisibility()) reportTold(body.value.text, body.value.level >= EventLevel.WARNING ? "error" : "note");
     });
   }
@@ -67,7 +67,7 @@ export class ScenariosSection {
   private showState(state: ScenarioState): void {
     const { name, running, text, checks } = state;
     const [words, tone] = verdictOf(state);
-    // Of another run there are other checks
+    // Another run begins with an empty list.
     if (name !== this.state?.name || checks.length < this.checks.children.length || (running && !this.state.running)) this.checks.replaceChildren();
     this.state = state;
     this.course.hidden = name === "";

@@ -32,7 +32,9 @@ export class ScenesSection {
     for (const row of this.list.rows) {
       row.element.classList.toggle("here", row.name === here);
       row.button.disabled = this.loading !== null || !this.link.mayChangeWorld;
-      setText(row.button, row === this.loading ? "Loading…" : row.name === here ? "Load anew" : kLoad);
+      const words = row === this.loading ? "Loading…" : row.name === here ? "Load anew" : kLoad;
+      setText(row.button, words);
+      row.button.setAttribute("aria-label", `${words} ${row.name}`);
     }
   }
 
