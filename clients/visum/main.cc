@@ -131,5 +131,5 @@ int act(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
-  return command_line::finish("visum", act(argc, argv));
+  command_line::leave(command_line::finish("visum", act(argc, argv)));
 }

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 
@@ -33,6 +34,14 @@ int finish(std::string_view program, int code) {
   if (lost.empty()) return code;
   std::fprintf(stderr, "%.*s: %s\n", static_cast<int>(program.size()), program.data(), lost.c_str());
   return code == 0 ? kOutputLost : code;
+}
+
+void leave(int code) {
+#ifdef VISUM_SANITIZED
+  std::exit(code);
+#else
+  std::_Exit(code);
+#endif
 }
 
 }  // namespace visum::command_line

@@ -1,4 +1,4 @@
-// How a program of Visum ends where its standard output cannot be written, as on a full disk: it says so and
+// How a program of Visum ends. Where its standard output cannot be written, as on a full disk, it says so and
 // its exit code is not 0. Main thread only.
 #pragma once
 
@@ -16,5 +16,10 @@ std::string find_lost_output();
 // The last line of each main(): returns the exit code for a program whose work ended with `code`. If output
 // is lost, it says so on stderr, and a code of 0 becomes kOutputLost.
 int finish(std::string_view program, int code);
+
+// Ends the process behind finish() without what comes after main(): the destructors of static objects and of
+// some sixty libraries, which nobody sees. Logs must be written. With a sanitizer it ends in the ordinary
+// way, so that leaks are found.
+[[noreturn]] void leave(int code);
 
 }  // namespace visum::command_line

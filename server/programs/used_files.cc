@@ -1,11 +1,13 @@
 #include "server/programs/used_files.h"
 
+#include <link.h>
 #include <xxhash.h>
 
 #include <cstdio>
 #include <fstream>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "protocol/config/new_file.h"
 
@@ -21,19 +23,17 @@ std::string line_of(const std::string& path, const std::string& bytes) {
   return std::string(hash) + " " + path + "\n";
 }
 
-// Files that are mapped as code, but for the system's and this program.
+// The shared libraries of this process, but for the system's.
 std::set<std::string> libraries() {
   std::set<std::string> found;
-  std::error_code none;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", none).string();
-  std::ifstream maps("/proc/self/maps");
-  for (std::string line; std::getline(maps, line);) {
-    const auto slash = line.find('/');
-    if (slash == line.npos || line.find(".so") == line.npos) continue;
-    const std::string path = line.substr(slash);
-    const bool systems = path.starts_with("/usr/lib/") || path.starts_with("/lib");
-    if (!systems && path != self && std::filesystem::is_regular_file(path, none)) found.insert(path);
-  }
+  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
+    // This program has an empty name, and what the kernel adds has no folder.
+    const std::string_view path = library->dlpi_name;
+    if (path.find('/') != path.npos && !path.starts_with("/usr/lib/") && !path.starts_with("/lib"))
+      static_cast<std::set<std::string>*>(into)->insert(std::filesystem::canonical(path).string());
+    return 0;
+  };
+  ::dl_iterate_phdr(take, &found);
   return found;
 }
 

@@ -18,7 +18,9 @@
 
 #include "protocol/command_line/fork_server.h"
 #include "protocol/command_line/one_of.h"
+#include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
+#include "protocol/config/config.h"
 #include "protocol/config/profile.h"
 #include "protocol/config/unknown_name.h"
 #include "server/cycle/simulation.h"
@@ -444,8 +446,9 @@ int act(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // `visum campaign` starts one world after another by it, without loading visumd again.
-  if (argc == 2 && std::string_view(argv[1]) == "fork-server")
-    return command_line::serve_forks(STDIN_FILENO, act);
-  return act(argc, argv);
+  if (argc != 2 || std::string_view(argv[1]) != "fork-server") command_line::leave(act(argc, argv));
+  // `visum campaign` starts one world after another by it, without loading visumd again. The reader of YAML
+  // makes its tables when it first reads.
+  config::load_text("{}", "nothing");
+  command_line::leave(command_line::serve_forks(STDIN_FILENO, act));
 }
