@@ -290,8 +290,12 @@ void Server::Impl::sweep() {
 
 // Ends an event: tells the handler of closes, writes batches, frees finished sessions. Sessions that are
 // woken meanwhile are handled, too.
+// Short messages go first: a controller has begun its next cycle while a long sample is copied for someone
+// else.
 void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
+  if (held == Held::kLeave && woken_.size() > 1)
+    std::ranges::stable_sort(woken_, {}, [](const WireSession* session) { return session->bytes_to_send(); });
   bool any_closed = false;
   std::size_t stayed = 0;
   for (std::size_t i = 0; i < woken_.size(); ++i) {
@@ -354,7 +358,7 @@ void Server::run() {
 }
 
 bool Server::poll() {
-  impl_->settle();
+  impl_->settle(Impl::Held::kStay);
   return impl_->serve_ready();
 }
 

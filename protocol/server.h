@@ -48,7 +48,8 @@ class Session {
   // True while no sample of this stream waits to be written. If false, the sender can save itself the
   // encoding.
   virtual bool ready_for(std::uint32_t stream) const = 0;
-  // Allows what is queued now to leave together with what follows, at the server's next poll() at the latest.
+  // Allows what is queued now to leave together with what follows, at the server's next write() or poll_for()
+  // at the latest.
   virtual void hold() {}
   // Writes a line about this client to the log, at most 20 a second (client_log.h). Clients that have not
   // said Hello share that with all others from their address.
@@ -96,8 +97,9 @@ class Server {
   std::uint16_t http_port() const;  // 0: no HTTP
   void start();                     // begins to accept
   void run();                       // returns after stop(); for a thread of its own (clock realtime)
-  bool poll();                      // handles what is ready, bounded; true if there was anything
-  void write();                     // sends what is queued and reads nothing
+  // Handles what is ready, bounded. True if there was anything. Leaves alone what sessions hold().
+  bool poll();
+  void write();  // sends what is queued and reads nothing
   // Waits until something is ready and handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
   // Closes all sessions once their queued replies are sent. Any thread. run() then returns; a caller of

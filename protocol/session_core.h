@@ -50,6 +50,7 @@ class SessionCore : public Session {
 
   bool awaits_hello() const { return phase_ == Phase::kHello; }
   bool closing() const { return phase_ == Phase::kClosing; }
+  std::size_t bytes_to_send() const { return out_.bytes(); }
   bool held() const { return held_ && phase_ == Phase::kOpen && !owes_room_; }
   CloseReason close_reason() const { return reason_; }
 

@@ -56,6 +56,13 @@ bool WriteQueue::has_waiting(std::uint32_t id) const {
                      [id](const Stream& stream) { return stream.id == id && stream.waiting; });
 }
 
+std::size_t WriteQueue::bytes() const {
+  std::size_t bytes = flying_.size() - sent_ + waiting_.size();
+  for (const Stream& stream : streams_)
+    if (stream.waiting) bytes += stream.frame.size();
+  return bytes;
+}
+
 std::span<const std::byte> WriteQueue::front() {
   if (!in_flight()) take_off();
   return std::span<const std::byte>(flying_).subspan(sent_);

@@ -4,7 +4,6 @@
 //
 // In each batch the samples stand before the replies. So when a client receives a reply, it has every sample
 // that was queued before that reply, or a newer one.
-// queued before it is there too, or a newer one.
 #pragma once
 
 #include <cstddef>
@@ -32,6 +31,7 @@ class WriteQueue {
 
   bool empty() const { return !in_flight() && waiting_.empty() && waiting_samples_ == 0; }
   bool in_flight() const { return sent_ < flying_.size(); }
+  std::size_t bytes() const;  // of all that is not written yet
   // Bytes of replies and events that wait behind the batch in flight.
   std::size_t waiting_bytes() const { return waiting_.size(); }
   std::size_t waiting_replies() const { return waiting_replies_; }

@@ -53,6 +53,25 @@ TEST(WriteQueue, KeepsOnlyTheNewestSampleOfAStream) {
   EXPECT_THAT(drain(queue), ElementsAre("sample 2", "sample 3"));
 }
 
+TEST(WriteQueue, KnowsTheBytesThatAreNotWrittenYet) {
+  WriteQueue queue;
+  EXPECT_EQ(queue.bytes(), 0u);
+  queue.push(1, Ok{}, kMax);
+  queue.push_latest(5, at_tick(1), kMax);
+  queue.push_latest(5, at_tick(2), kMax);
+  const std::size_t all = queue.bytes();
+  ASSERT_EQ(queue.front().size(), all);
+  queue.written(3);
+  queue.push(2, Ok{}, kMax);
+  const std::size_t left = queue.front().size();
+  EXPECT_EQ(left, all - 3);
+  EXPECT_GT(queue.bytes(), left);
+  queue.written(left);
+  EXPECT_EQ(queue.front().size(), queue.bytes());
+  queue.written(queue.bytes());
+  EXPECT_EQ(queue.bytes(), 0u);
+}
+
 TEST(WriteQueue, PutsSamplesBeforeTheRepliesOfTheSameBatch) {
   WriteQueue queue;
   queue.push(1, Ok{}, kMax);
