@@ -18,10 +18,11 @@ double dot(const double* a, const double* b, std::size_t from, std::size_t to) {
 
 }  // namespace
 
-void EnvelopeLu::clear() {
-  first_.clear();
-  start_.clear();
-  entries_ = 0;
+void EnvelopeLu::restart(std::size_t kept) {
+  kept_ = kept;
+  if (kept < size()) entries_ = start_[kept];
+  first_.resize(kept);
+  start_.resize(kept);
 }
 
 void EnvelopeLu::add(std::size_t first) {
@@ -32,8 +33,11 @@ void EnvelopeLu::add(std::size_t first) {
 }
 
 void EnvelopeLu::place() {
-  lower_.assign(entries_, 0.0);
-  upper_.assign(entries_, 0.0);
+  const std::size_t from = kept_ < size() ? start_[kept_] : entries_;
+  for (std::vector<double>* entries : {&lower_, &upper_}) {
+    entries->resize(entries_);
+    std::fill(entries->begin() + static_cast<std::ptrdiff_t>(from), entries->end(), 0.0);
+  }
 }
 
 bool EnvelopeLu::factor() {
@@ -43,6 +47,7 @@ bool EnvelopeLu::factor() {
                                     .lower = lower_.data(),
                                     .upper = upper_.data(),
                                     .inverse_diagonal = inverse_diagonal_.data(),
+                                    .begin = kept_,
                                     .count = size()});
 }
 

@@ -10,15 +10,17 @@
 
 namespace visum::dynamics::impulse {
 
-// Order of calls: clear(), add() for each row, place(), fill at(), factor(), solve(). Owned by Rows, used on
-// the tick's thread.
+// Order of calls: restart(), add() for each further row, place(), fill at() for these, factor(), solve().
+// Owned by Rows, used on the tick's thread.
 class EnvelopeLu {
  public:
   explicit EnvelopeLu(const Kernels& by = kernels()) : kernels_(&by) {}
-  void clear();  // keeps the memory
+  // Keeps this many rows and columns of the factor before, which must exist: a factor's rows do not depend on
+  // later ones.
+  void restart(std::size_t kept = 0);
   // Adds the next row and column. Their first entries are in column and row `first`.
   void add(std::size_t first);
-  void place();  // makes the entries, all zero
+  void place();  // makes the entries of added rows, all zero
   std::size_t size() const { return first_.size(); }
   std::size_t first(std::size_t i) const { return first_[i]; }  // as given to add()
   std::size_t entries() const { return entries_; }              // below the diagonal and on it; as many above
@@ -35,7 +37,7 @@ class EnvelopeLu {
   const double* row(std::size_t i) const { return lower_.data() + start_[i] - first_[i]; }
   const double* column(std::size_t i) const { return upper_.data() + start_[i] - first_[i]; }
 
-  std::size_t entries_ = 0;
+  std::size_t kept_ = 0, entries_ = 0;
   std::vector<std::size_t> first_, start_;
   std::vector<double> lower_, upper_;  // lower_ contains the diagonal
   std::vector<double> inverse_diagonal_;

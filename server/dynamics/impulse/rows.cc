@@ -89,7 +89,7 @@ void Rows::take(RowIsland& island) {
 void Rows::prepare() {
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
-  island_->factored_by = nullptr;
+  island_->factored_by = island_->paired_by = nullptr;
   for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
@@ -139,11 +139,8 @@ void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
       push_body(end, by, velocity);
       continue;
     }
-    for (std::size_t i = 0; i < block.dim; ++i) {
-      if (by[i] == 0.0) continue;
-      const double* response = &responses_[end.response + (end.first + i) * end.size];
-      for (std::size_t j = 0; j < end.size; ++j) velocity[j] += response[j] * by[i];
-    }
+    kernels_->push_by_responses(&responses_[end.response + end.first * end.size], end.size, by.data(),
+                                block.dim, velocity);
   }
 }
 

@@ -97,7 +97,9 @@ struct RowIsland {
   bool rests = false;                 // the last solve() had nothing to do
   bool solved = false;                // the last solve() left no more than it was allowed to
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
-  const Rows* factored_by = nullptr;  // since prepare(): who keeps a factor of some of the rows
+  // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
+  const Rows* factored_by = nullptr;
+  const Rows* paired_by = nullptr;
 };
 
 // How much the velocity of a block's first row changes for a unit impulse.
@@ -227,18 +229,24 @@ class Rows {
   // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
   bool solve_active(double enough);
   // Velocities of one block's rows for unit impulses on those of another one that it meets. They stand in a
-  // mechanism's W, or in `memory`.
+  // mechanism's W, or in pairs_, since they stay the same while the active rows change; or in `memory`, where
+  // there are too many blocks.
   struct Responses {
     const double* first;
     std::size_t stride;
     double operator()(std::size_t r, std::size_t s) const { return first[r * stride + s]; }
   };
-  Responses find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) const;
+  Responses find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory);
+  // Forgets pairs_ where they are not of this island, or older than its prepare().
+  void keep_pairs();
   // The same for active rows, without the friction that b drags along.
   static double response(const Responses& of, const Row& a, std::size_t s);
   static double response(const Responses& of, const Row& a, const Row& b);
-  // Velocity of row r of block a for a unit impulse on row s of block b.
-  double response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const;
+  // Velocity of row r of an end for a unit impulse on row s of another end on the same body or mechanism. The
+  // second adds all of them.
+  double response(const RowEnd& a, std::size_t r, const RowEnd& b, std::size_t s) const;
+  void add_responses(const RowBlock& a, const RowEnd& end_a, const RowBlock& b, const RowEnd& end_b,
+                     double* to) const;
   // Velocity of row a for the friction that row b drags along.
   static double dragged(const Responses& of, const Row& a, const Row& b);
   // Puts a contact's, and a twist's, rows into the active list.
@@ -251,8 +259,10 @@ class Rows {
   bool factor_active();
   // True if the factor that is kept is that of the active rows.
   bool is_factored() const;
-  bool factor_rows();
-  void add_responses(const Group& at, const Group& by);
+  // The first active rows that the kept factor has, too.
+  std::size_t factored_rows() const;
+  bool factor_rows(std::size_t kept);
+  void add_responses(const Group& at, const Group& by, std::size_t from);
   void find_groups();
   // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
@@ -317,7 +327,10 @@ class Rows {
   EnvelopeLu factor_;
   BodyFactor body_factor_;
   std::vector<double> body_steps_;
-  bool by_bodies_ = false;  // which of the two factors is in use
+  bool by_bodies_ = false;         // which of the two factors is in use
+  std::vector<double> pairs_;      // nine for each two blocks
+  std::vector<char> pairs_known_;  // for each two blocks; empty: they are not kept
+  const RowIsland* paired_island_ = nullptr;
   // The factor that is kept: of which rows in which island, and the rows' softness.
   const RowIsland* factored_island_ = nullptr;
   std::vector<Row> factored_;

@@ -9,6 +9,7 @@
 // stands.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -24,6 +25,7 @@ constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
 constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
 constexpr std::size_t kPerResponse = 4;  // units to find one entry of the matrix
+constexpr std::size_t kMostPaired = 64;  // blocks whose responses to each other are kept
 
 // The largest a in 0..1 with a dx <= room. Where a step leads back to the bound from beyond, all of it.
 double share_below(double room, double dx) {
@@ -57,30 +59,46 @@ bool meet(const RowBlock& a, const RowBlock& b) {
 
 }  // namespace
 
-// The velocity that a unit impulse on row s of b causes in row r of a, and the other way round.
-double Rows::response(const RowBlock& a, std::size_t r, const RowBlock& b, std::size_t s) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.end_count; ++i) {
-    for (std::size_t j = 0; j < b.end_count; ++j) {
-      const RowEnd &end_a = a.ends[i], &end_b = b.ends[j];
-      if (!meet(end_a, end_b)) continue;
-      sum += end_a.free ? dot(end_a.J[r], end_b.MJ[s].data())
-                        : responses_[end_a.response + (end_a.first + r) * end_a.size + end_b.first + s];
-    }
-  }
-  return sum;
+// The velocity that a unit impulse on row s of an end causes in row r of another, and the other way round.
+double Rows::response(const RowEnd& a, std::size_t r, const RowEnd& b, std::size_t s) const {
+  return a.free ? dot(a.J[r], b.MJ[s].data()) : responses_[a.response + (a.first + r) * a.size + b.first + s];
 }
 
-Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b,
-                                     std::array<double, 9>& memory) const {
+void Rows::keep_pairs() {
+  if (island_->paired_by == this && paired_island_ == island_) return;
+  island_->paired_by = this;
+  paired_island_ = island_;
+  const std::size_t pairs = blocks_.size() <= kMostPaired ? blocks_.size() * blocks_.size() : 0;
+  pairs_known_.assign(pairs, 0);
+  if (pairs_.size() < 9 * pairs) pairs_.resize(9 * pairs);
+}
+
+Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) {
   // Blocks that meet on one mechanism, and touch nothing else: a part of its W.
   if (a.end_count == 1 && b.end_count == 1 && !a.ends[0].free) {
     const RowEnd &at = a.ends[0], &by = b.ends[0];
     return {&responses_[at.response + at.first * at.size + by.first], at.size};
   }
+  double* found = memory.data();
+  if (!pairs_known_.empty()) {
+    const auto number = static_cast<std::size_t>(&a - blocks_.data()) * blocks_.size() +
+                        static_cast<std::size_t>(&b - blocks_.data());
+    found = &pairs_[9 * number];
+    if (std::exchange(pairs_known_[number], 1)) return {found, 3};
+  }
+  std::fill_n(found, 9, 0.0);
+  for (std::size_t i = 0; i < a.end_count; ++i)
+    for (std::size_t j = 0; j < b.end_count; ++j)
+      if (meet(a.ends[i], b.ends[j])) add_responses(a, a.ends[i], b, b.ends[j], found);
+  return {found, 3};
+}
+
+void Rows::add_responses(const RowBlock& a, const RowEnd& end_a, const RowBlock& b, const RowEnd& end_b,
+                         double* to) const {
+  if (end_a.free && a.dim == 3 && b.dim == 3)
+    return kernels_->add_responses_of_rows(end_a.J[0].data(), end_b.MJ[0].data(), to);
   for (std::size_t r = 0; r < a.dim; ++r)
-    for (std::size_t s = 0; s < b.dim; ++s) memory[3 * r + s] = response(a, r, b, s);
-  return {memory.data(), 3};
+    for (std::size_t s = 0; s < b.dim; ++s) to[3 * r + s] += response(end_a, r, end_b, s);
 }
 
 // The velocity that a unit impulse on row s of b's block causes in row a.
@@ -166,10 +184,11 @@ bool Rows::factor_active() {
     count_work(factor_units_);
     return true;
   }
+  const std::size_t kept = factored_rows();
   island_->factored_by = nullptr;
   factor_units_ = 0;
   by_bodies_ = bodies_alone();
-  if (!(by_bodies_ ? factor_bodies(kMostEntries) : factor_rows())) return false;
+  if (!(by_bodies_ ? factor_bodies(kMostEntries) : factor_rows(kept))) return false;
   island_->factored_by = this;
   factored_island_ = island_;
   factored_ = active_;
@@ -196,16 +215,29 @@ void Rows::find_groups() {
   }
 }
 
-bool Rows::factor_rows() {
+std::size_t Rows::factored_rows() const {
+  if (island_->factored_by != this || factored_island_ != island_ || by_bodies_) return 0;
+  const std::size_t most = std::min(active_.size(), factored_.size());
+  std::size_t kept = 0;
+  while (kept < most && factored_[kept] == active_[kept] &&
+         factored_softness_[kept] == softness(active_[kept]))
+    ++kept;
+  return kept;
+}
+
+// Rows before `kept` are as in the factor before, but work counts as if it were made anew: what is kept
+// depends on the islands that the same thread has solved.
+bool Rows::factor_rows(std::size_t kept) {
   // The pattern: each row begins at the first active row that it shares a body or mechanism with.
   find_groups();
-  factor_.clear();
+  keep_pairs();
+  factor_.restart(kept);
   for (const Group& group : groups_) {
     const auto first = std::ranges::find_if(groups_, [&](const Group& other) {
       return other.begin == group.begin || meet(*other.block, *group.block);
     });
     for (std::size_t i = group.begin; i < group.end; ++i) {
-      factor_.add(first->begin);
+      if (i >= kept) factor_.add(first->begin);
       if (factor_.entries() > kMostEntries) return false;
       // Its entries, and their elimination.
       const std::size_t width = i - first->begin + 1;
@@ -214,27 +246,30 @@ bool Rows::factor_rows() {
   }
   factor_.place();
   for (const Group& group : groups_) {
+    if (group.end <= kept) continue;
     for (const Group& other : std::span(groups_.data(), &group + 1))
-      if (other.begin >= factor_.first(group.begin)) add_responses(group, other);
-    for (std::size_t i = group.begin; i < group.end; ++i) factor_.at(i, i) += softness(active_[i]);
+      if (other.begin >= factor_.first(group.begin)) add_responses(group, other, kept);
+    for (std::size_t i = std::max(kept, group.begin); i < group.end; ++i)
+      factor_.at(i, i) += softness(active_[i]);
   }
   return factor_.factor();
 }
 
-// The entries of two blocks' active rows. What one row's impulse does to another follows from the blocks'
-// responses to each other.
-void Rows::add_responses(const Group& at, const Group& by) {
+// The entries of two blocks' active rows, the first's from `from` on. What one row's impulse does to another
+// follows from the blocks' responses to each other.
+void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
   if (!meet(*at.block, *by.block)) return;
   std::array<double, 9> memory, memory_back;
   const Responses there = find_responses(*at.block, *by.block, memory);
   const Responses back = at.drags ? find_responses(*by.block, *at.block, memory_back) : there;
-  for (std::size_t i = at.begin; i < at.end; ++i) {
+  const bool drags = at.drags || by.drags;
+  for (std::size_t i = std::max(from, at.begin); i < at.end; ++i) {
     const Row& row = active_[i];
     for (std::size_t j = by.begin; j < std::min(by.end, i + 1); ++j) {
       const Row& other = active_[j];
       const double both = response(there, row, other);
-      factor_.at(i, j) = both + dragged(there, row, other);
-      if (j < i) factor_.at(j, i) = both + dragged(back, other, row);
+      factor_.at(i, j) = drags ? both + dragged(there, row, other) : both;
+      if (j < i) factor_.at(j, i) = drags ? both + dragged(back, other, row) : both;
     }
   }
 }

@@ -140,6 +140,33 @@ TEST(EnvelopeLu, HasTheSameBitsFromBothKernels) {
   EXPECT_EQ(solved(kBaselineKernels), solved(*kWideKernels));
 }
 
+// Two systems that differ from row 14 on, and in their number of rows.
+TEST(EnvelopeLu, KeepsTheRowsBeforeThoseThatChange) {
+  constexpr std::size_t kKept = 14;
+  const auto fill = [](EnvelopeLu& factor, std::size_t kept, std::size_t size, int seed) {
+    for (std::size_t i = kept; i < size; ++i) factor.add(i < 11 ? 0 : i - 11);
+    factor.place();
+    for (std::size_t i = kept; i < size; ++i) {
+      std::mt19937 generator(static_cast<unsigned>(i < kKept ? i : 100 * static_cast<std::size_t>(seed) + i));
+      std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+      for (std::size_t j = factor.first(i); j <= i; ++j) {
+        factor.at(i, j) = uniform(generator);
+        factor.at(j, i) = i == j ? 20.0 : uniform(generator);
+      }
+    }
+    EXPECT_TRUE(factor.factor());
+    std::vector<double> b(size, 1.0);
+    factor.solve(b);
+    return b;
+  };
+  for (const std::size_t size : {17, 23, 29}) {
+    EnvelopeLu kept, anew;
+    fill(kept, 0, 23, 1);
+    kept.restart(kKept);
+    EXPECT_EQ(fill(kept, kKept, size, 2), fill(anew, 0, size, 2)) << size;
+  }
+}
+
 TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
   const Lines rows = make_rows(6, 0.0);
   BodyFactor factor;

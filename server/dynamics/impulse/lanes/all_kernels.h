@@ -34,6 +34,8 @@ constexpr Kernels make_kernels(const char* build) {
           .keep_joints = keep_joints,
           .respond_to_rows = respond_to_rows,
           .respond_at_point = respond_at_point,
+          .add_responses_of_rows = add_responses_of_rows,
+          .push_by_responses = push_by_responses,
           .factor_blocks = factor_blocks,
           .add_products = add_products,
           .factor_envelope = factor_envelope,

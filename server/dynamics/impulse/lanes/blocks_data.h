@@ -16,7 +16,7 @@ struct BlockMatrix {
 struct EnvelopeMatrix {
   const std::size_t *first, *start;
   double *lower, *upper, *inverse_diagonal;
-  std::size_t count;
+  std::size_t begin, count;  // the rows before `begin` are factored already
 };
 
 }  // namespace visum::dynamics::impulse

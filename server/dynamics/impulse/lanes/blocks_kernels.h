@@ -152,7 +152,7 @@ VISUM_LANES_INLINE double dot_of_rows(const double* a, const double* b, std::siz
 // l_ij = (a_ij - sum l_ik u_kj) / u_jj,  u_ji = a_ji - sum l_jk u_ki (envelope_lu.h).
 bool factor_envelope(EnvelopeMatrix of) {
   const auto at = [&](double* entries, std::size_t i) { return entries + of.start[i] - of.first[i]; };
-  for (std::size_t i = 0; i < of.count; ++i) {
+  for (std::size_t i = of.begin; i < of.count; ++i) {
     double *const ri = at(of.lower, i), *const ci = at(of.upper, i);
     for (std::size_t j = of.first[i]; j < i; ++j) {
       const std::size_t from = of.first[i] > of.first[j] ? of.first[i] : of.first[j];

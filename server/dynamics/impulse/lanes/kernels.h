@@ -48,6 +48,11 @@ struct Kernels {
   void (*respond_at_point)(const double* frame, const double* lever, double sign,
                            const double* inverse_inertia, double inverse_mass, double* J, double* MJ,
                            double* K);
+  // Responses of three rows to three others on one body; and what impulses on rows of a mechanism do to all
+  // of its rows.
+  void (*add_responses_of_rows)(const double* J, const double* MJ, double* sums);
+  void (*push_by_responses)(const double* response, std::size_t size, const double* by, std::size_t rows,
+                            double* velocity);
   // Systems of contacts (body_factor.h, envelope_lu.h): factors, false where there are none; and sums of
   // products x y^T of rows of six, for a block.
   bool (*factor_blocks)(BlockMatrix);

@@ -48,5 +48,42 @@ void respond_at_point(const double* frame, const double* lever, double sign, con
   K[3] += dot(row[1], response[2]);
 }
 
+// sums_rs += J_r MJ_s for three rows each, of two ends on one body.
+void add_responses_of_rows(const double* J, const double* MJ, double* sums) {
+  Lanes columns[6];
+  for (int k = 0; k < 6; ++k) columns[k] = lanes(MJ[k], MJ[6 + k], MJ[12 + k], 0.0);
+  for (int r = 0; r < 3; ++r) {
+    const double* const row = J + 6 * r;
+    Lanes sum = all(row[0]) * columns[0];
+    for (int k = 1; k < 6; ++k) sum = sum + all(row[k]) * columns[k];
+    store3(sums + 3 * r, load3(sums + 3 * r) + sum);
+  }
+}
+
+// velocity += sum of by_i response_i. Each response has `size` entries, and one follows the other. Rows with
+// an impulse of zero change nothing.
+void push_by_responses(const double* response, std::size_t size, const double* by, std::size_t rows,
+                       double* velocity) {
+  const double* given[3] = {};
+  double impulse[3] = {};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (by[i] == 0.0) continue;
+    given[count] = response + i * size;
+    impulse[count++] = by[i];
+  }
+  const auto add = [&](auto sum_of) {
+    std::size_t j = 0;
+    for (; j + 4 <= size; j += 4)
+      store(velocity + j,
+            sum_of(load(velocity + j), [&](std::size_t i) { return impulse[i] * load(given[i] + j); }));
+    for (; j < size; ++j)
+      velocity[j] = sum_of(velocity[j], [&](std::size_t i) { return given[i][j] * impulse[i]; });
+  };
+  if (count == 1) add([](auto now, auto part) { return now + part(0); });
+  if (count == 2) add([](auto now, auto part) { return now + part(0) + part(1); });
+  if (count == 3) add([](auto now, auto part) { return now + part(0) + part(1) + part(2); });
+}
+
 }  // namespace
 }  // namespace visum::dynamics::impulse
