@@ -332,13 +332,66 @@ TEST(Convert, ReadsNoOtherFilesAndNoCode) {
   };
   EXPECT_EQ(refusal("a.wrl", "#VRML V2.0 utf8\nInline { url \"/etc/passwd\" }"),
             "a.wrl:2: Inline: '/etc/passwd' is not a file of X3D or VRML97");
-  EXPECT_EQ(refusal("a.x3d", "<X3D><Scene>\n<Script url='javascript:x'/></Scene></X3D>"),
-            "a.x3d:2: <Script> is not read: write what it stands for");
   EXPECT_EQ(refusal("b.x3d", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]>\n<X3D><Scene/></X3D>"),
             "b.x3d:1: a document type with declarations is not supported");
   EXPECT_EQ(refusal("a.txt", ""),
             "a.txt: its extension names its format and must be one of .yaml, .urdf, .sdf, .world, .xacro, "
             ".mjcf, .xml, .x3d, .x3dv, .wrl");
+}
+
+// A script moves what it is connected to. The world that it is written into stands without it.
+TEST(Convert, ScriptsAreALossAndTheShapesBesideThemAreRead) {
+  const test::TempFiles files;
+  const auto read = [&](const std::string& name, const std::string& text) {
+    return read_any_scene(files.write(name, text), {});
+  };
+  const auto classic = read("turn.wrl", R"(#VRML V2.0 utf8
+PROTO Turner [ exposedField SFVec3f size 1 1 1 eventIn SFTime start ] {
+  Transform { children [
+    Shape { geometry Box { size IS size } }
+    DEF Inner Script {
+      eventIn SFTime begin IS start
+      eventOut SFRotation turned
+      field SFFloat speed 0.5
+      field SFNode other DEF Ball Shape { geometry Sphere { radius 0.2 } }
+      field MFString names [ "a" "b" ]
+      directOutput TRUE
+      url "javascript: function begin() { turned = 1; }"
+    }
+  ] }
+}
+Turner { size 2 2 2 }
+DEF Second Script { field SFNode root USE Ball url "javascript: x" }
+ROUTE Inner.turned TO Second.set
+)");
+  ASSERT_EQ(classic.world.shapes.size(), 1u);
+  EXPECT_EQ(classic.world.shapes[0].size, (std::array<double, 3>{2, 2, 2}));
+  EXPECT_THAT(classic.losses,
+              ElementsAre("line 5: a Script is not read, nor are 1 more: what it would change "
+                          "stays as it is written"));
+  const auto xml = read("turn.x3d", R"(<X3D version='3.2'><Scene>
+<Script DEF='S'><field name='speed' type='SFFloat' accessType='initializeOnly' value='0.5'/>
+<field name='ball' type='SFNode' accessType='inputOutput'><Shape DEF='Ball'><Sphere radius='0.2'/></Shape></field>
+<![CDATA[ecmascript: function x() {}]]></Script>
+<Transform translation='1 0 0'><Shape USE='Ball'/></Transform>
+</Scene></X3D>)");
+  ASSERT_EQ(xml.world.shapes.size(), 1u);
+  EXPECT_EQ(xml.world.shapes[0].X_BS.p, Eigen::Vector3d(1, 0, 0));
+  EXPECT_THAT(xml.losses,
+              ElementsAre("line 2: a Script is not read: what it would change stays as it is written"));
+}
+
+TEST(Convert, ExportsAndImportsOfX3dMayRename) {
+  const test::TempFiles files;
+  const auto scene = read_any_scene(files.write("names.x3dv", R"(#X3D V3.2 utf8
+PROFILE Immersive
+DEF Ball Shape { geometry Sphere { radius 0.2 } }
+EXPORT Ball AS Sphere
+EXPORT Ball
+Transform { translation 1 0 0 children USE Ball }
+)"),
+                                    {});
+  EXPECT_EQ(scene.world.shapes.size(), 2u);
 }
 
 }  // namespace

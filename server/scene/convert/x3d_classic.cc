@@ -151,10 +151,14 @@ class Reader {
       return true;
     }
     int words = 0;
-    if (now.text == "PROFILE" || now.text == "COMPONENT" || now.text == "EXPORT") words = 2;
+    if (now.text == "PROFILE" || now.text == "COMPONENT") words = 2;
     if (now.text == "META") words = 3;
-    if (now.text == "UNIT" || now.text == "ROUTE" || now.text == "IMPORT") words = 4;
+    if (now.text == "UNIT" || now.text == "ROUTE") words = 4;
+    const bool may_rename = now.text == "EXPORT" || now.text == "IMPORT";
+    if (may_rename) words = 2;
     for (int i = 0; i < words; ++i) tokens_.take();
+    if (may_rename && is_word("AS"))
+      for (int i = 0; i < 2; ++i) tokens_.take();
     return words > 0;
   }
 
@@ -187,20 +191,44 @@ class Reader {
     return made;
   }
 
-  // exposedField SFVec3f center 0 0 0. Events, and all fields of EXTERNPROTO, have no default.
+  bool is_word(std::string_view text) const {
+    return tokens_.now().kind == Kind::kWord && tokens_.now().text == text;
+  }
+
+  static bool holds_value(const std::string& access) {
+    return access == "field" || access == "exposedField" || access == "initializeOnly" ||
+           access == "inputOutput";
+  }
+  static bool is_event(const std::string& access) {
+    return access == "eventIn" || access == "eventOut" || access == "inputOnly" || access == "outputOnly";
+  }
+
+  // exposedField SFVec3f center 0 0 0. Events, and all fields of EXTERNPROTO, have no default. In the body of
+  // a prototype, IS and a name may follow.
   void interface_field(X3dNode& proto, int depth, bool has_defaults) {
     const Token access = word("a field of " + proto.def);
     X3dNode made;
     made.line = access.line;
     made.type = word("the type of a field of " + proto.def).text;
     made.def = word("the name of a field of " + proto.def).text;
-    const bool holds = access.text == "field" || access.text == "exposedField" ||
-                       access.text == "initializeOnly" || access.text == "inputOutput";
-    const bool event = access.text == "eventIn" || access.text == "eventOut" || access.text == "inputOnly" ||
-                       access.text == "outputOnly";
-    if (!holds && !event) tokens_.fail(access.line, "'" + access.text + "' does not begin a field");
-    if (holds && has_defaults) value(made, "value", depth);
+    const bool holds = holds_value(access.text);
+    if (!holds && !is_event(access.text))
+      tokens_.fail(access.line, "'" + access.text + "' does not begin a field");
+    if (is_word("IS"))
+      for (int i = 0; i < 2; ++i) tokens_.take();
+    else if (holds && has_defaults)
+      value(made, "value", depth);
     proto.add("interface", std::move(made));
+  }
+
+  // A field that a node declares for itself, as scripts and shaders do. Only the nodes in it are kept: others
+  // may USE them.
+  void own_field(X3dNode& node, int depth) {
+    const std::string access = tokens_.now().text;
+    X3dNode declared;
+    interface_field(declared, depth, true);
+    for (X3dChild& field : declared.children)
+      for (X3dChild& inner : field.node.children) node.add(access, std::move(inner.node));
   }
 
   void expect(Kind kind, const std::string& message) {
@@ -233,7 +261,6 @@ class Reader {
       }
     }
     made.type = token.text;
-    if (made.type == "Script") tokens_.fail(token.line, "Script is not read: write what it stands for");
     if (tokens_.now().kind != Kind::kOpen)
       tokens_.fail(tokens_.now().line, "'" + made.type + "' must be followed by {");
     tokens_.take();
@@ -255,6 +282,7 @@ class Reader {
   }
 
   void field(X3dNode& node, int depth) {
+    if (holds_value(tokens_.now().text) || is_event(tokens_.now().text)) return own_field(node, depth);
     const Token name = word("a field of " + node.type);
     if (tokens_.now().kind == Kind::kWord && tokens_.now().text == "IS") {
       tokens_.take();

@@ -40,10 +40,15 @@ Pose x3d_exact_pose(const std::optional<Node>& metadata, const Pose& fields) {
 X3dShapes::X3dShapes(Draft& draft, const X3dNode& root, const std::string& file)
     : draft_(draft), file_(file) {
   index(root);
+  if (scripts_.empty()) return;
+  const std::string rest =
+      scripts_.size() == 1 ? "" : ", nor are " + std::to_string(scripts_.size() - 1) + " more";
+  lose(*scripts_.front(), "a Script is not read" + rest + ": what it would change stays as it is written");
 }
 
 void X3dShapes::index(const X3dNode& node) {
   if (!node.def.empty()) defs_[node.def] = &node;
+  if (node.type == "Script" && node.use.empty()) scripts_.push_back(&node);
   for (const auto& [field, child] : node.children) index(child);
 }
 

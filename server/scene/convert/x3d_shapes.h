@@ -71,6 +71,7 @@ class X3dShapes {
   Draft& draft_;
   const std::string& file_;
   std::map<std::string, const X3dNode*> defs_;
+  std::vector<const X3dNode*> scripts_;
   std::map<std::pair<const X3dNode*, std::array<double, 9>>, std::optional<X3dForm>> forms_;
   std::size_t vertices_ = 0;
 };

@@ -32,6 +32,7 @@ const std::map<std::string, std::string>& usual_fields() {
                                                          {"UniversalJoint", "joints"},
                                                          {"DoubleAxisHingeJoint", "joints"},
                                                          {"MotorJoint", "joints"},
+                                                         {"field", "field"},
                                                          {"CollisionCollection", "collider"},
                                                          {"MetadataString", "metadata"},
                                                          {"MetadataDouble", "metadata"},
@@ -98,7 +99,6 @@ class XmlReader {
     X3dNode made;
     made.type = element.Name();
     made.line = element.GetLineNum();
-    if (made.type == "Script") fail(made.line, "<Script> is not read: write what it stands for");
     for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
       take(made, attribute->Name(), attribute->Value());
     for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
