@@ -16,6 +16,7 @@
 #include "server/scene/model_errors.h"
 #include "server/scene/model_xml.h"
 #include "server/scene/reader_process.h"
+#include "server/scene/robot_loops.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/values.h"
 #include "server/scene/xacro.h"
@@ -238,6 +239,8 @@ class Placement {
     }
     if (is_lost_spring(from)) return;
     joint.initial_position = initial_position(from);
+    const auto given = node_.find("joints");
+    if (!given || !given->find(from.joint.name)) keep_loop_closed(robot_, from, joint);
     draft_.add_joint(joint, joint_place(from));
     if (from.stiffness != 0.0) add_spring(from, joint);
     draft_.drive_limits[joint.name] = {from.maximum_speed, from.maximum_effort};

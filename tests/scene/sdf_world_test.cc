@@ -66,6 +66,41 @@ TEST_F(SdfWorld, EachModelIsOneOfTheSceneAndFallsUnlessItIsStatic) {
   EXPECT_EQ(scene.models[1].name, "b");
 }
 
+// A square of four bars in the plane x, z. The hinge `left` is given limits in which its zero is not.
+TEST_F(SdfWorld, ALoopStaysClosedWhereAJointBeginsBeyondItsLimits) {
+  const auto link = [](const std::string& name, const std::string& xyz) {
+    return "<link name='" + name + "'><pose>" + xyz +
+           " 0 0 "
+           "0</pose><inertial><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia>"
+           "</inertial></link>\n";
+  };
+  const auto hinge = [](const std::string& name, const std::string& parent, const std::string& child,
+                        const std::string& limit = "") {
+    return "<joint name='" + name + "' type='revolute'><parent>" + parent + "</parent><child>" + child +
+           "</child><axis><xyz>0 1 0</xyz>" + limit + "</axis></joint>\n";
+  };
+  const std::string limit = "<limit><lower>0.5</lower><upper>1</upper></limit>";
+  const auto model = [&](const std::string& closing) {
+    return "<model name='m'>" + link("a", "0 0 0") + link("b", "1 0 0") + link("c", "1 0 1") +
+           hinge("ground", "world", "a") + hinge("left", "a", "b", limit) + hinge("right", "b", "c") +
+           closing + "</model>\n";
+  };
+  const auto left = [](const Scene& scene) { return scene.world.joints.at(1); };
+
+  const Scene chain = bare(model(""));
+  EXPECT_EQ(left(chain).name, "m/left");
+  EXPECT_EQ(left(chain).initial_position, 0.5);
+  EXPECT_THAT(chain.losses, ElementsAre());
+
+  const Scene loop = bare(model(hinge("closing", "c", "a")));
+  EXPECT_EQ(left(loop).initial_position, 0.0);
+  EXPECT_EQ(left(loop).lower, 0.0);
+  EXPECT_EQ(left(loop).upper, 1.0);
+  EXPECT_THAT(loop.losses,
+              ElementsAre(HasSubstr("joint 'left' begins at 0, outside its limits 0.5 and 1; it closes a "
+                                    "loop, so it stays there, and the nearer limit with it")));
+}
+
 TEST_F(SdfWorld, GivesGravityAndStep) {
   const Scene scene = bare(
       "<gravity>0 0 -3</gravity><physics type='ode'><max_step_size>0.002</max_step_size>"
