@@ -37,6 +37,48 @@ std::string in_lower_case(std::string text) {
   return text;
 }
 
+// A blocking socket that counts the bytes that it reads.
+class CountingSocket {
+ public:
+  using executor_type = tcp::socket::executor_type;
+
+  explicit CountingSocket(asio::io_context& io) : socket_(io) {}
+  tcp::socket& socket() { return socket_; }
+  executor_type get_executor() { return socket_.get_executor(); }
+  std::uint64_t received() const { return received_; }
+
+  template <typename Buffers>
+  std::size_t read_some(const Buffers& into, boost::system::error_code& error) {
+    const std::size_t bytes = socket_.read_some(into, error);
+    received_ += bytes;
+    return bytes;
+  }
+  template <typename Buffers>
+  std::size_t write_some(const Buffers& from, boost::system::error_code& error) {
+    return socket_.write_some(from, error);
+  }
+  // Beast asks for these two as well.
+  template <typename Buffers>
+  std::size_t read_some(const Buffers& into) {
+    const std::size_t bytes = socket_.read_some(into);
+    received_ += bytes;
+    return bytes;
+  }
+  template <typename Buffers>
+  std::size_t write_some(const Buffers& from) {
+    return socket_.write_some(from);
+  }
+
+ private:
+  tcp::socket socket_;
+  std::uint64_t received_ = 0;
+};
+
+// Beast calls it to end the connection under a WebSocket.
+void teardown(beast::role_type role, CountingSocket& stream, boost::system::error_code& error) {
+  websocket::teardown(role, stream.socket(), error);
+}
+
 }  // namespace
 
 HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
@@ -64,13 +106,17 @@ HttpAnswer http_request(std::uint16_t port, const std::string& method, const std
 
 struct WebClient::Impl {
   asio::io_context io;
-  websocket::stream<tcp::socket> stream{io};
+  websocket::stream<CountingSocket> stream{io};
   beast::flat_buffer received;
   std::uint64_t received_bytes = 0, longest_message = 0;
 };
 
-WebClient::WebClient(std::uint16_t port, const std::string& origin) : impl_(std::make_unique<Impl>()) {
-  impl_->stream.next_layer().connect(endpoint_of(port));
+WebClient::WebClient(std::uint16_t port, const std::string& origin, bool compresses)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->stream.next_layer().socket().connect(endpoint_of(port));
+  websocket::permessage_deflate deflate;
+  deflate.client_enable = compresses;
+  impl_->stream.set_option(deflate);
   impl_->stream.binary(true);
   impl_->stream.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
     request.set(http::field::origin, origin.empty() ? "http://" + host_of(port) : origin);
@@ -119,6 +165,10 @@ void WebClient::say_goodbye() {
 
 std::uint64_t WebClient::received_bytes() const {
   return impl_->received_bytes;
+}
+
+std::uint64_t WebClient::wire_bytes() const {
+  return impl_->stream.next_layer().received();
 }
 
 std::uint64_t WebClient::longest_message() const {

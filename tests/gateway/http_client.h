@@ -30,7 +30,7 @@ inline HttpAnswer http_get(std::uint16_t port, const std::string& target,
 // Blocking. Throws boost::system::system_error where the server closes or refuses.
 class WebClient {
  public:
-  explicit WebClient(std::uint16_t port, const std::string& origin = "");
+  explicit WebClient(std::uint16_t port, const std::string& origin = "", bool compresses = false);
   ~WebClient();
 
   void send(std::uint64_t id, const protocol::Request& request);
@@ -48,7 +48,8 @@ class WebClient {
   // The code of RFC 6455 with which the server closes the connection. Reads all messages before it.
   int closing_code();
   void say_goodbye();                     // the closing handshake, begun by the page
-  std::uint64_t received_bytes() const;   // so far
+  std::uint64_t received_bytes() const;   // so far, of messages
+  std::uint64_t wire_bytes() const;       // so far, as they came over the socket
   std::uint64_t longest_message() const;  // bytes, of those that were received
 
  private:

@@ -98,6 +98,39 @@ TEST_F(WebSession, PagesOfOtherOriginsGetNone) {
   EXPECT_THROW(WebClient(http(), "http://evil.example"), std::runtime_error);
 }
 
+// Each tick's samples of the arm and of the world, with and without compression.
+TEST_F(WebSession, SamplesTakeLessOnTheWireWhereTheClientOffersCompression) {
+  constexpr int kTicks = 200;
+  struct Got {
+    std::vector<double> poses, outputs;
+    double share = 0.0;  // of the wire, in what the messages hold
+  };
+  const auto run = [&](bool compresses) {
+    WebClient web(http(), "", compresses);
+    greet(web);
+    web.ask<LeaseGrant>(AcquireLease{"arm"});
+    web.ask<Ok>(Subscribe{"arm", 1});
+    web.ask<Ok>(SubscribeWorld{1});
+    web.ask<Advanced>(Join{});
+    const auto bytes = web.received_bytes(), wire = web.wire_bytes();
+    for (int i = 0; i < kTicks; ++i) web.ask<Advanced>(Advance{1});
+    Got got;
+    got.share =
+        static_cast<double>(web.wire_bytes() - wire) / static_cast<double>(web.received_bytes() - bytes);
+    got.poses = web.ask<WorldSample>(ReadWorld{}).poses;
+    got.outputs = web.ask<PartSample>(Read{"arm"}).sensor_outputs;
+    web.ask<Ok>(Leave{});
+    web.ask<Ok>(ReleaseLease{"arm"});
+    daemon_.connect("admin", Role::kAdmin).request(Reset{});
+    return got;
+  };
+  const Got plain = run(false), compressed = run(true);
+  EXPECT_GT(plain.share, 1.0);
+  EXPECT_LT(compressed.share, 0.7);
+  EXPECT_EQ(compressed.poses, plain.poses);
+  EXPECT_EQ(compressed.outputs, plain.outputs);
+}
+
 // A page that is told so describes the world anew.
 TEST_F(WebSession, IsToldOfAnotherScene) {
   WebClient web(http());
