@@ -11,6 +11,8 @@ Daemon::Daemon(cycle::Simulation& simulation, const DaemonOptions& options) {
     throw std::runtime_error("--listen " + options.address +
                              " is open to others than this machine: that needs --token-file");
   const bool realtime = simulation.scene().clock == scene::ClockKind::kRealtime;
+  if (options.realtime_priority != 0 && !realtime)
+    throw std::runtime_error("--realtime-priority is for worlds with the clock realtime");
   loop_ = realtime ? make_realtime_loop(simulation, options, stopping_)
                    : make_inline_loop(simulation, options, stopping_);
 }

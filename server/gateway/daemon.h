@@ -53,6 +53,9 @@ struct DaemonOptions {
   // long, and writes that have become older than this are dropped. 0: never.
   std::chrono::milliseconds session_silence{250};
   std::chrono::milliseconds command_age{200};
+  // Clock realtime: the tick's thread runs by SCHED_FIFO with this priority, so that no ordinary program of
+  // this machine delays it; 0: it is an ordinary thread.
+  int realtime_priority = 0;
   // Called, on another thread than run()'s, where the daemon is to end and a tick has not ended for two
   // seconds: the sessions are closed, nothing records that tick, and run() will never return. It must end the
   // process. `what` says what the tick was doing. Empty: the daemon waits for each tick.

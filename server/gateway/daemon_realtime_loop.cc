@@ -1,8 +1,11 @@
+#include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <exception>
+#include <system_error>
 #include <thread>
 
 #include "server/cycle/behind_watch.h"
@@ -21,12 +24,36 @@ constexpr std::chrono::milliseconds kFarewellLook{5};   // how often the end of 
 constexpr int kMostRounds = 1000;  // of reading what clients sent while the sessions were held up
 constexpr std::chrono::milliseconds kBeat{50};  // how often idle sessions show that they are served
 
+// Puts the calling thread before all ordinary ones while it exists. Threads that it starts are ordinary.
+class RealtimeThread {
+ public:
+  explicit RealtimeThread(int priority) {
+    if (priority == 0) return;
+    const sched_param wanted{priority};
+    if (::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted) != 0)
+      throw std::system_error(errno, std::generic_category(),
+                              "--realtime-priority needs the right to it (CAP_SYS_NICE, or ulimit -r)");
+    raised_ = true;
+  }
+  ~RealtimeThread() {
+    const sched_param ordinary{0};
+    if (raised_) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  }
+  RealtimeThread(const RealtimeThread&) = delete;
+  RealtimeThread& operator=(const RealtimeThread&) = delete;
+
+ private:
+  bool raised_ = false;
+};
+
 // The tick's thread only ever notifies the sessions' thread; it never waits for it.
 class RealtimeLoop final : public DaemonLoop {
  public:
   RealtimeLoop(cycle::Simulation& simulation, const DaemonOptions& options, std::atomic<bool>& stop)
       : comparing_(options.playback != nullptr),
+        priority_(options.realtime_priority),
         doors_(simulation, options, stop, [this]() -> const Published& { return newest_copy(); }) {
+    const RealtimeThread may_be(priority_);  // else it says so before it is ready
     doors_.tick_side.watch_sessions(options.session_silence);
     doors_.tick_side.drop_writes_older_than(options.command_age);
     doors_.gateway.holdup().set_limit(options.command_age);
@@ -78,7 +105,8 @@ class RealtimeLoop final : public DaemonLoop {
   std::atomic<bool> sessions_ended_{false};
   std::uint64_t published_version_ = 0;  // of the tick's side, as of the last copy
   bool comparing_;                       // parts of the recording are not compared yet
-  DaemonDoors doors_;                    // last: while it ends, sessions may still ask for the copy
+  const int priority_;
+  DaemonDoors doors_;  // last: while it ends, sessions may still ask for the copy
 };
 
 // The sessions' thread is told of the end in any case, also where a tick throws.
@@ -87,6 +115,7 @@ void RealtimeLoop::run() {
   std::thread sessions([this] { serve_sessions(); });
   std::exception_ptr failure;
   try {
+    const RealtimeThread undisturbed(priority_);
     const Relief relief({.is_to_end = [this] { return doors_.end_asked(); },
                          .tick = [this] { return doors_.simulation.working().tick(); },
                          .abandon = [this](auto tick) { doors_.abandon(tick, [this] { say_goodbye(); }); }});

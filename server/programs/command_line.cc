@@ -47,6 +47,11 @@ void declare_guards(CLI::App& app, gateway::DaemonOptions& daemon) {
       "that they command; 0: never");
   add("--command-age-ms", daemon.command_age,
       "in real time: drop writes that are older than so many milliseconds of wall time; 0: none");
+  app.add_option("--realtime-priority", daemon.realtime_priority,
+                 "in real time: put the thread of the ticks before all ordinary programs of this machine "
+                 "(SCHED_FIFO with this priority). A world that cannot keep up then takes a whole processor")
+      ->type_name("1..99")
+      ->check(CLI::Range(1, 99));
 }
 
 }  // namespace

@@ -1,5 +1,10 @@
 // Pause, step, speed, reset, snapshots; the clocks realtime and free.
 #include <gtest/gtest.h>
+#include <sched.h>
+
+#include <atomic>
+#include <system_error>
+#include <thread>
 
 #include "tests/gateway/running_daemon.h"
 #include "tests/support/temp_files.h"
@@ -35,6 +40,39 @@ TEST(Time, StepsExactlyWhilePaused) {
   const auto tick = status_of(admin).tick;
   EXPECT_TRUE(status_of(admin).paused);
   EXPECT_EQ(admin.request_as<Advanced>(Step{3}).tick, tick + 3);
+}
+
+// Not every machine allows it: the daemon either does so, or says why not.
+TEST(Time, TicksStandBeforeOrdinaryProgramsIfAsked) {
+  const sched_param wanted{7}, ordinary{0};
+  std::atomic<int> policy{-1}, priority{-1}, others{-1};
+  DaemonOptions options;
+  options.realtime_priority = wanted.sched_priority;
+  options.run_at_once = true;
+  options.wait = [&](std::chrono::steady_clock::time_point due) {
+    sched_param now{};
+    sched_getparam(0, &now);
+    priority = now.sched_priority;
+    policy = sched_getscheduler(0);
+    std::thread([&] { others = sched_getscheduler(0); }).join();
+    std::this_thread::sleep_until(due);
+  };
+  if (sched_setscheduler(0, SCHED_FIFO, &wanted) != 0) {
+    EXPECT_THROW(RunningDaemon(scene::ClockKind::kRealtime, options), std::system_error);
+    return;
+  }
+  ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &ordinary), 0);
+  {
+    RunningDaemon daemon(scene::ClockKind::kRealtime, options);
+    auto client = daemon.connect("observer", Role::kObserver);
+    for (int i = 0; i < 10'000 && status_of(client).tick < 3; ++i) std::this_thread::yield();
+    EXPECT_GE(status_of(client).tick, 3);
+  }
+  EXPECT_EQ(policy & ~SCHED_RESET_ON_FORK, SCHED_FIFO);
+  EXPECT_EQ(priority, 7);
+  EXPECT_EQ(others, SCHED_OTHER);
+  EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+  EXPECT_THROW(RunningDaemon(scene::ClockKind::kLockstep, options), std::runtime_error);
 }
 
 // A world that was rewound does not begin with tick 0.
