@@ -55,6 +55,23 @@ pageTest("the log tells what happens, filtered, with a mark for each on a ruler"
   });
 }, flat);
 
+pageTest("at phone width the menu World chooses the role", async (page, claim) => {
+  const menu = page.locator(".world");
+  const role = menu.getByRole("combobox", { name: "Role" });
+  await page.getByRole("button", { name: "World", exact: true }).click();
+  await claim("it is the only choice of the role", async () => {
+    await role.waitFor();
+    assert.equal(await page.getByRole("combobox", { name: "Role" }).count(), 1);
+    assert.equal(await role.locator(":checked").textContent(), "Admin");
+  });
+  await claim("an observer changes nothing, and reads why", async () => {
+    await role.selectOption("Observer");
+    await menu.getByText("Only an administrator changes the world.").waitFor();
+    await role.selectOption("Admin");
+    await menu.getByText("Only an administrator changes the world.").waitFor({ state: "hidden" });
+  });
+}, { viewport: { width: 390, height: 844 }, ...flat });
+
 pageTest("the menu World: bookmarks with undo, a recording, faults, bodies", async (page, claim, daemon) => {
   const menu = page.locator(".world");
   const open = async () => (await menu.evaluate((details) => details.open)) || (await page.getByRole("button", { name: "World", exact: true }).click());

@@ -1,32 +1,14 @@
 // The state of the connection to visumd, the role of this page, and what to do if the connection is lost.
 import type { Link, LinkState } from "../link/link";
-import { Role } from "../link/messages";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
 import { h, setText } from "../ui/dom";
-import { reportError } from "../ui/toasts";
-
-const kRoles: [Role, string][] = [[Role.OBSERVER, "Observer"], [Role.CONTROLLER, "Controller"], [Role.ADMIN, "Admin"]];
+import { roleChoice } from "./role";
 
 export function connectionBadge(link: Link, parts: Parts, clock: Clock): HTMLElement {
   const text = h("span", {}, "Connecting");
-  const role = h("select", { "aria-label": "Role", class: "role", title: "The role of this page: what it may do" },
-    ...kRoles.map(([value, name]) => h("option", { value }, name)));
-  role.value = String(link.role);
-  // A role comes with a new session. The leases of the old session would be lost with it, and the parts would
-  // stop.
-  const change = async (wanted: Role) => {
-    try {
-      await parts.releaseAll();
-      link.useRole(wanted);
-    } catch (error) {
-      reportError(error);
-      role.value = String(link.welcome?.role ?? link.role);
-    }
-  };
-  role.addEventListener("change", () => void change(Number(role.value)));
   const others = h("span", { class: "others" });
-  const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, others, role);
+  const element = h("div", { class: "connection" }, h("span", { class: "dot" }), text, others, roleChoice(link, parts));
   const show = () => {
     const frozen = clock.status.value?.frozen ?? false;
     element.dataset["frozen"] = String(frozen);
@@ -38,9 +20,7 @@ export function connectionBadge(link: Link, parts: Parts, clock: Clock): HTMLEle
   link.state.watch((state) => {
     element.dataset["state"] = state.kind;
     show();
-    role.disabled = state.kind !== "open";
     if (state.kind !== "open") return;
-    role.value = String(state.welcome.role);
     element.title = `Session ${state.welcome.session} of ${state.welcome.server || "visumd"}, as '${link.name}'`;
   });
   link.recorded.watch((recorded) => {

@@ -12,6 +12,7 @@ import type { World } from "../model/world";
 import { h } from "../ui/dom";
 import { popover } from "../ui/popover";
 import { reportError } from "../ui/toasts";
+import { roleChoice } from "../bar/role";
 import { section } from "./act";
 import { BodiesSection } from "./bodies";
 import { BookmarksSection } from "./bookmarks";
@@ -38,9 +39,9 @@ export class WorldMenu {
     this.scenarios = new ScenariosSection(link);
     this.faults = new FaultsSection(link, parts);
     this.models = new ModelsSection(link, world);
-    const why = h("p", { class: "menu-note", role: "note" }, "Only an administrator changes the world. Choose the role Admin in the bar, if the server lets you.");
+    const why = h("p", { class: "menu-note", role: "note" }, "Only an administrator changes the world. Choose the role Admin, if the server lets you.");
     const changes = h("div", { class: "world-menu" }, new BookmarksSection(link, world).element, new RecordingSection(link, events).element, this.models.element, new BodiesSection(link, world).element, this.faults.element, this.resets());
-    this.element = popover("World", h("div", { class: "world-menu" }, why, this.scenes.element, this.scenarios.element, changes));
+    this.element = popover("World", h("div", { class: "world-menu" }, h("label", { class: "menu-role" }, "Role of this page", roleChoice(link, parts)), why, this.scenes.element, this.scenarios.element, changes));
     this.element.classList.add("world");
     this.element.addEventListener("toggle", () => this.open());
     const show = () => {
