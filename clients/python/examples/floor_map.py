@@ -38,8 +38,12 @@ class Move(NamedTuple):
     curvature: float
 
 
+# A search turns by the same steps again and again.
+facing = lru_cache(maxsize=4096)(sin_cos)
+
+
 def ahead(pose: Pose, way: float) -> tuple[float, float]:
-    sin, cos = sin_cos(pose.heading)
+    sin, cos = facing(pose.heading)
     return pose.x + way * cos, pose.y + way * sin
 
 
@@ -86,16 +90,21 @@ class FloorMap:
 
     def see(self, eye: tuple[float, float], angles: np.ndarray, distances: np.ndarray, farthest: float) -> None:
         """Takes in a scan: free along each ray, something at its end unless that is the sensor's reach."""
+        if not len(distances):
+            return
         steps = np.arange(0.0, farthest, CELL / 2)
-        ways = np.where(steps[None, :] < distances[:, None] - CELL, steps[None, :], 0.0)
-        self._weigh(eye, angles[:, None], ways, PASS)
+        ray, step = np.nonzero(steps[None, :] < distances[:, None] - CELL)
+        # And the cell of the eye, from which all rays come.
+        ray, ways = np.append(ray, 0), np.append(steps[step], 0.0)
+        cos, sin = cosine(angles), sine(angles)
+        self._weigh(eye, cos[ray], sin[ray], ways, PASS)
         hit = distances < farthest - CELL
-        self._weigh(eye, angles[hit], distances[hit], HIT)
+        self._weigh(eye, cos[hit], sin[hit], distances[hit], HIT)
 
-    def _weigh(self, eye: tuple[float, float], angles: np.ndarray, ways: np.ndarray, weight: int) -> None:
+    def _weigh(self, eye: tuple[float, float], cos: np.ndarray, sin: np.ndarray, ways: np.ndarray, weight: int) -> None:
         """Once for each cell, however many rays have gone through it."""
-        i = np.floor((eye[0] + ways * cosine(angles)) / CELL).astype(int) + HALF_SIZE
-        j = np.floor((eye[1] + ways * sine(angles)) / CELL).astype(int) + HALF_SIZE
+        i = np.floor((eye[0] + ways * cos) / CELL).astype(int) + HALF_SIZE
+        j = np.floor((eye[1] + ways * sin) / CELL).astype(int) + HALF_SIZE
         inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
         touched = np.zeros_like(self._evidence, dtype=bool)
         touched[i[inside], j[inside]] = True
@@ -155,6 +164,7 @@ class FloorMap:
 
 LENGTH = 0.3  # m, of a move
 MOVES = [Move(sign * LENGTH, curvature) for sign in (1, -1) for curvature in (0.0, 1.2, -1.2, 0.6, -0.6)]
+HALVES = [Move(move.way / 2, move.curvature) for move in MOVES]
 BACKWARDS = 1.5  # times the cost of driving forwards
 CUSP = 0.5  # m of driving that a change of direction costs
 TIGHT = 3.0  # m of driving that a move costs where there is no margin
@@ -170,7 +180,7 @@ def key_of(pose: Pose) -> Key:
 
 
 def fits(passable: np.ndarray, pose: Pose) -> bool:
-    sin, cos = sin_cos(pose.heading)
+    sin, cos = facing(pose.heading)
     return all(passable[cell_of(pose.x + way * cos, pose.y + way * sin)] for way in CIRCLES_AT)
 
 
@@ -195,10 +205,13 @@ def find_way(floor: FloorMap, start: Pose) -> list[Move]:
         has_room = fits(roomy, pose)
         if last and has_room and gain[cell_of(*ahead(pose, CENTRE_AT))] >= floor.worthwhile:
             return way_to(came, here)
-        for move in MOVES:
-            middle, end = along(pose, Move(move.way / 2, move.curvature)), along(pose, move)
-            if key_of(end) in came or (last and swerves(last, move)):
+        for move, half in zip(MOVES, HALVES):
+            if last and swerves(last, move):
                 continue
+            end = along(pose, move)
+            if key_of(end) in came:
+                continue
+            middle = along(pose, half)
             more = abs(move.way) * (BACKWARDS if move.way < 0 else 1.0)
             if last and last.way * move.way < 0:
                 more += CUSP
