@@ -1,6 +1,7 @@
 #include "server/collision/narrow_phase.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -26,6 +27,46 @@ Eigen::AlignedBox3d in_frame_of(const PreparedShape& frame, const Eigen::Aligned
   const Eigen::Matrix3d R = frame.placed.R.transpose();
   return box_around(box_W, R, -(R * frame.placed.p));
 }
+
+// Half-spaces that a convex shape does not reach, in a mesh's frame. They are found as the mesh is looked
+// through.
+class Unreached {
+ public:
+  // What is nearer to the shape than this is looked at in any case, m.
+  static constexpr double kSkin = 1e-4;
+
+  // Along `up_W` the shape begins above a part of the mesh.
+  void add(const PreparedShape& mesh, const PreparedShape& shape, const Eigen::Vector3d& up_W) {
+    const double lowest = up_W.dot(shape.placed.farthest(-up_W) - mesh.placed.p);
+    spaces_[next_] = {mesh.placed.R.transpose() * up_W, lowest - kSkin};
+    next_ = (next_ + 1) % spaces_.size();
+    count_ = std::min(count_ + 1, spaces_.size());
+  }
+  bool holds(const Eigen::AlignedBox3d& box) const {
+    return any([&](const Space& space) {
+      return space.up.dot(box.center()) + space.up.cwiseAbs().dot(0.5 * box.sizes()) < space.below;
+    });
+  }
+  bool holds(const std::array<Eigen::Vector3d, 3>& corners) const {
+    return any([&](const Space& space) {
+      return std::ranges::all_of(corners,
+                                 [&](const auto& corner) { return space.up.dot(corner) < space.below; });
+    });
+  }
+
+ private:
+  struct Space {
+    Eigen::Vector3d up;
+    double below;
+  };
+  template <typename Holds>
+  bool any(Holds&& holds) const {
+    return std::any_of(spaces_.begin(), spaces_.begin() + static_cast<std::ptrdiff_t>(count_), holds);
+  }
+
+  std::array<Space, 8> spaces_;
+  std::size_t count_ = 0, next_ = 0;
+};
 
 // The edge of the triangle that is nearest to a point.
 std::size_t nearest_edge(const MeshTriangle& triangle, const Eigen::Vector3d& point) {
@@ -175,14 +216,21 @@ void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShap
   }
 }
 
+// Where one triangle is apart from the shape, so are most of its neighbours, and by the same plane.
 void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape) {
   const Eigen::AlignedBox3d box = in_frame_of(mesh, shape.box_W);
   const std::uint64_t look = kTriangle + kPerCorner * shape.convex.polytope.vertices.size();
+  Unreached unreached;
   visit(
-      *mesh.mesh, [&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
+      *mesh.mesh,
+      [&](const Eigen::AlignedBox3d& node) { return node.intersects(box) && !unreached.holds(node); },
       [&](const MeshTriangle& triangle) {
+        if (unreached.holds(triangle.corners)) return;
         const std::size_t before = points_.size();
-        find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), *mesh.mesh, triangle);
+        const Direction direction =
+            find_with_triangle(shape.placed, triangle_a_.place(mesh, triangle), *mesh.mesh, triangle);
+        if (direction.apart && direction.gap > Unreached::kSkin && !direction.normal_W.isZero(0.0))
+          unreached.add(mesh, shape, direction.normal_W);
         work_.take(look + kPerPoint * (points_.size() - before));
         thin_out();
       });
@@ -191,24 +239,25 @@ void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape&
 // A triangle pushes sideways only over a sharp edge, or where a body stands on the edge or corner itself.
 // Elsewhere the surface goes on. The triangle then pushes what is above it along its own normal, and leaves
 // the rest to its neighbour.
-void NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
-                                     const MeshTriangle& triangle) {
+Direction NarrowPhase::find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
+                                          const MeshTriangle& triangle) {
   const Direction direction = find_direction(convex, placed, solver_);
-  if (direction.apart) return;
+  if (direction.apart) return direction;
   const std::size_t first = points_.size();
   add_manifold(convex, placed, direction, points_);
   const Eigen::Vector3d up = placed.R * triangle.normal;
   // Pushing along the triangle's own normal is always right.
-  if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return;
+  if (std::abs(direction.normal_W.dot(up)) >= kSameNormal) return direction;
   const Point& last = points_.back();
   const Eigen::Vector3d on_triangle_W = last.p_W + 0.5 * last.depth * last.normal_W;
   if (may_push(mesh, triangle, placed.R.transpose() * (on_triangle_W - placed.p),
                placed.R.transpose() * direction.normal_W))
-    return;
+    return direction;
   // Otherwise these points go. A body in front gets the points over the face instead.
   points_.resize(first);
   const bool in_front = up.dot(convex.center() - placed.farthest(up)) >= 0.0;
   if (in_front) add_face_manifold(convex, placed, up, points_);
+  return direction;
 }
 
 void NarrowPhase::find_meshes(const PreparedShape& a, const PreparedShape& b) {

@@ -34,8 +34,8 @@ class NarrowPhase {
   void find_with_plane(const PreparedShape& plane,
                        const PreparedShape& shape);                            // normals from plane to shape
   void find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape);  // normals from mesh to shape
-  void find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
-                          const MeshTriangle& triangle);
+  Direction find_with_triangle(const Placed& convex, const Placed& placed, const Mesh& mesh,
+                               const MeshTriangle& triangle);
   void find_meshes(const PreparedShape& a, const PreparedShape& b);
   // Adds a point with a radius, if it is below the plane.
   void add_below(const PreparedShape& plane, const Eigen::Vector3d& point_W, double radius);

@@ -34,12 +34,14 @@ double overlap_along(const Placed& a, const Placed& b, const Eigen::Vector3d& di
 
 // The direction of the least overlap.
 struct Direction {
-  bool apart = true;         // the shapes do not touch; only `gap` is set then
-  Eigen::Vector3d normal_W;  // unit, from b to a
+  bool apart = true;         // the shapes do not touch
+  Eigen::Vector3d normal_W;  // unit, from b to a. Apart: along it the shapes are `gap` apart, or it is zero
   double depth = 0.0;        // overlap_along(normal_W)
   double gap = 0.0;          // m, they are at least this far apart; 0 or less: not known
 
-  static Direction apart_by(double gap) { return {.gap = gap}; }
+  static Direction apart_by(double gap, const Eigen::Vector3d& normal_W = Eigen::Vector3d::Zero()) {
+    return {.normal_W = normal_W, .gap = gap};
+  }
 };
 
 inline constexpr double kParallelSquared =

@@ -108,4 +108,18 @@ TEST(MeshWork, OfAMeshOnAPlaneOrInABoxHasALimitToo) {
 }
 
 }  // namespace
+// A ball 1 cm beside a mesh, over the corner of its box, where a thousand of its triangles are.
+TEST(MeshWork, OfAShapeBesideAMeshIsThatOfAFewTriangles) {
+  SceneBuilder scene;
+  scene.add_fixed({ShapeKind::kMesh, {1, 1, 1}}, at(0, 0, 0));
+  scene.add({ShapeKind::kSphere, {0.1, 0, 0}}, at(0.125, 0.125, 0.125));
+  scene.model.meshes[0] = bumpy_ball(60, 60);
+  CollisionStage stage(scene.model);
+  std::vector<Contact> contacts;
+  stage.find(initial_state(scene.model), contacts);
+  EXPECT_TRUE(contacts.empty());
+  EXPECT_GT(stage.work(), 0u) << "their boxes do not meet";
+  EXPECT_LT(stage.work(), 5'000u);
+}
+
 }  // namespace visum::collision::testing
