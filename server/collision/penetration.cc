@@ -107,7 +107,8 @@ Direction find_direction(const Placed& a, const Placed& b, GjkSolver& solver) {
   if (!normal) normal = along_frames(a, b);
   if (!normal) return {};
   const Direction found{false, *normal, overlap_along(a, b, *normal)};
-  return found.depth > 0.0 ? prefer_features(a, b, found) : Direction::apart_by(-found.depth - kGjkSlackM, found.normal_W);
+  return found.depth > 0.0 ? prefer_features(a, b, found)
+                           : Direction::apart_by(-found.depth - kGjkSlackM, found.normal_W);
 }
 
 }  // namespace visum::collision
