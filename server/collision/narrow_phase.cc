@@ -32,7 +32,7 @@ Eigen::AlignedBox3d in_frame_of(const PreparedShape& frame, const Eigen::Aligned
 // through.
 class Unreached {
  public:
-  // What is nearer to the shape than this is looked at in any case, m.
+  // Triangles that are nearer to the shape than this are looked at in any case, m.
   static constexpr double kSkin = 1e-4;
 
   // Along `up_W` the shape begins above a part of the mesh.

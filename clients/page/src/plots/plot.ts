@@ -46,7 +46,7 @@ export class Plot {
   private readonly place = h("div", { class: "plot-place" });
   private readonly phaseCanvas = h("canvas", { class: "phase", hidden: true, role: "img", "aria-label": "Phase plot" });
   private readonly seconds = h("select", { "aria-label": "Length of the time axis" }, ...kWindows.map((s) => h("option", { value: s, selected: s === 10 }, s < 60 ? `${s} s` : `${s / 60} min`)));
-  private readonly gapNote = h("p", { class: "gap-note", hidden: true, title: kGaps }, kGaps);
+  private readonly gapNote = h("p", { class: "gap-note", hidden: true }, kGaps);
   private readonly phase: HTMLButtonElement;
   private readonly stops = new Map<Port, () => void>(); // they end the recording
   private plot: uPlot | null = null;
