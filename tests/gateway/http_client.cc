@@ -138,6 +138,11 @@ void WebClient::send_text(const std::string& text) {
   impl_->stream.write(asio::buffer(text));
 }
 
+void WebClient::send_bytes(std::span<const std::byte> bytes) {
+  boost::system::error_code ignored;
+  impl_->stream.write(asio::buffer(bytes.data(), bytes.size()), ignored);
+}
+
 // Messages may hold several frames, or parts of one.
 protocol::ReplyFrame WebClient::next() {
   auto& received = impl_->received;

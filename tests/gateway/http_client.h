@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "protocol/codec.h"
@@ -35,7 +36,8 @@ class WebClient {
 
   void send(std::uint64_t id, const protocol::Request& request);
   void send_text(const std::string& text);
-  protocol::ReplyFrame next();  // the next reply, sample or event
+  void send_bytes(std::span<const std::byte> bytes);  // the server may close before it has read all
+  protocol::ReplyFrame next();                        // the next reply, sample or event
   // Skips samples and events.
   template <typename T>
   T ask(const protocol::Request& request) {

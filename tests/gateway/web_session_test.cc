@@ -131,6 +131,21 @@ TEST_F(WebSession, SamplesTakeLessOnTheWireWhereTheClientOffersCompression) {
   EXPECT_EQ(compressed.outputs, plain.outputs);
 }
 
+// A few kilobytes on the wire that would unpack to a frame of 60 MB. Who has not said Hello may send a small
+// one.
+TEST_F(WebSession, WhatUnpacksToTooMuchIsRefused) {
+  WebClient web(http(), "", true);
+  std::vector<std::byte> bomb(60u << 20, std::byte{1});
+  const std::uint32_t length = (60u << 20) - kHeaderBytes;
+  for (std::size_t i = 0; i < kHeaderBytes; ++i) bomb[i] = std::byte((length >> (8 * i)) & 0xFF);
+  web.send_bytes(bomb);
+  web.closing_code();  // waits for the end
+  EXPECT_NE(testing::http_get(http(), "/metrics").body.find("\nvisum_refused_connections_total 1\n"),
+            std::string::npos);
+  WebClient other(http());
+  EXPECT_EQ(greet(other, Role::kObserver).role, Role::kObserver);
+}
+
 // A page that is told so describes the world anew.
 TEST_F(WebSession, IsToldOfAnotherScene) {
   WebClient web(http());
