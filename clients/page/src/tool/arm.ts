@@ -8,6 +8,8 @@ import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
 import { portsOfJoint } from "../view3d/driving_ports";
 
+const kFinest = 1e9; // parts of a radian or metre that are commanded: 1e-17 is no number to show
+
 export interface Link {
   joint: ChainJoint;
   port: Port; // its desired value
@@ -42,7 +44,7 @@ export class Arm {
   }
 
   async command(values: readonly number[]): Promise<void> {
-    const wanted = new Map(this.links.map(({ port }, i) => [port, values[i]!]));
+    const wanted = new Map(this.links.map(({ port }, i) => [port, Math.round(values[i]! * kFinest) / kFinest]));
     const runs = neighbours([...wanted.keys()]);
     await Promise.all(runs.map((run) => run[0]!.part.writeValues(run[0]!, run.map((port) => wanted.get(port)!))));
   }

@@ -39,7 +39,7 @@ export class ToolPane {
     const rows = kAxes.map((axis, i) => h("div", { class: "jog-row" }, h("span", { class: "jog-axis" }, axis), jogs[2 * i]!, this.fields[i]!, h("span", { class: "unit" }, i < 3 ? "m" : "°"), jogs[2 * i + 1]!));
     this.element.append(
       h("div", { class: "tool-choices" }, field("Moves", this.choice), field("Frame", this.frame), field("Step", this.step), field("Handles", this.handles)),
-      h("div", { class: "jog-rows", role: "group", "aria-label": "Coordinates of the tool" }, ...rows), this.take, this.teach.element);
+      h("div", { class: "jog-rows", role: "group", "aria-label": "Coordinates of the tool" }, ...rows, h("p", { class: "jog-hint" }, "Type a coordinate and press Enter: the tool moves there.")), this.take, this.teach.element);
     this.choice.addEventListener("change", () => this.use(this.choice.value));
     this.take.addEventListener("click", () => void this.arm.value?.part.acquire().catch(reportError));
     mover.stopped.on((why) => report(`The tool stops: ${why}`, "error"));
@@ -149,7 +149,7 @@ export class ToolPane {
     this.teach.enable(usable);
     const numbers = this.coordinates(this.actual(arm));
     this.fields.forEach((input, i) => {
-      if (document.activeElement !== input) input.value = numbers[i]!.toFixed(i < 3 ? 4 : 2).replace(/^-(?=[0.]*$)/, "");
+      if (document.activeElement !== input) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
     });
   }
 
@@ -157,6 +157,11 @@ export class ToolPane {
   private actual(arm: Arm): Pose {
     return fromFrame(bodyPose(this.world.sample!, this.world.bodyIndex(arm.tool)), this.basePose(), "world");
   }
+}
+
+// Without the sign of what rounds to zero or to half a turn, which would change all the time.
+function asShown(value: number, digits: number): string {
+  return value.toFixed(digits).replace(/^-(?=[0.]*$|180\.00$)/, "");
 }
 
 function field(name: string, input: HTMLElement): HTMLElement {
