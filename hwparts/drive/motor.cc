@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace visum::drive {
+namespace {
+
+constexpr double kFreeAfterTrip = 0.5;  // share of the budget
+
+}  // namespace
 
 CurrentWindow current_window(const DriveData& data, double supply_voltage, double speed) {
   const auto& motor = data.motor;
@@ -26,6 +31,11 @@ double advance_i2t(const MotorData& motor, double i2t, double current, double ti
 double i2t_budget(const MotorData& motor) {
   return (motor.current_limit * motor.current_limit - motor.nominal_current * motor.nominal_current) *
          motor.peak_time;
+}
+
+double i2t_rest(const MotorData& motor, double i2t) {
+  const double excess = i2t - kFreeAfterTrip * i2t_budget(motor);
+  return std::max(0.0, excess / (motor.nominal_current * motor.nominal_current));
 }
 
 double advance_winding(const MotorData& motor, double winding, double current, double tick_s) {

@@ -21,6 +21,9 @@ CurrentWindow current_window(const DriveData& data, double supply_voltage, doubl
 double advance_i2t(const MotorData& motor, double i2t, double current, double tick_s);
 // The I²t at which the motor is switched off [A²s].
 double i2t_budget(const MotorData& motor);
+// The time [s] without current until a motor that was switched off may be switched on again: half of its
+// budget must be free.
+double i2t_rest(const MotorData& motor, double i2t);
 
 // First-order winding temperature [°C].
 double advance_winding(const MotorData& motor, double winding, double current, double tick_s);

@@ -96,7 +96,7 @@ std::uint32_t curable(const DriveData& data, const DriveState& state) {
   if (state.hard_side == 0) bits |= state_bit::kBeyondHard;
   if (state.tuning.supply_voltage >= data.supply.minimum_voltage) bits |= state_bit::kPowVoltErr;
   if (!state.power_cycled) return bits;
-  if (state.i2t <= 0.5 * i2t_budget(data.motor)) bits |= state_bit::kIntegralErr;
+  if (i2t_rest(data.motor, state.i2t) == 0.0) bits |= state_bit::kIntegralErr;
   if (state.winding <= data.motor.maximum_winding - kCooledK) bits |= state_bit::kFetTemp;
   return bits;
 }

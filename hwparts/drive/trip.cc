@@ -61,12 +61,12 @@ std::string trip_text(const DriveData& data, const Trip& trip) {
                                   shown(data.supply.minimum_voltage) + " V; set Supply Voltage to " +
                                   shown(data.supply.nominal_voltage) +
                                   ", or release the emergency stop, then Reset");
-  add(state_bit::kIntegralErr, "its current was above " + shown(data.motor.nominal_current) +
-                                   " A for too long (" + shown(trip.i2t) + " of " +
-                                   shown(i2t_budget(data.motor)) +
-                                   " A²s); lessen the load or the acceleration, or take a stronger motor; "
-                                   "switch the supply off and on, "
-                                   "then Reset");
+  add(state_bit::kIntegralErr,
+      "its current was above " + shown(data.motor.nominal_current) + " A for too long (" + shown(trip.i2t) +
+          " of " + shown(i2t_budget(data.motor)) +
+          " A²s); look for what it pushes against, lessen the load or the acceleration, or take a stronger "
+          "motor; switch the supply off and on, wait " +
+          shown(std::ceil(i2t_rest(data.motor, trip.i2t))) + " s, then Reset");
   add(state_bit::kFetTemp,
       "winding at " + shown(trip.winding) + " °C exceeds " + shown(data.motor.maximum_winding) +
           " °C; lessen the load or let it cool, or take a stronger motor; switch the supply off and on, then "

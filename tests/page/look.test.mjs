@@ -94,6 +94,19 @@ pageTest("a body is clicked, and pulled", async (page, claim) => {
   });
 });
 
+pageTest("in a narrow view the card of a body does not hide it", async (page) => {
+  const card = page.getByRole("region", { name: "Selected body" });
+  for (const name of ["arm/link_3", "table"]) {
+    await page.getByRole("combobox", { name: "Selected body" }).selectOption(name);
+    const [{ x, y }, box] = [await body(page, name), await card.boundingBox()];
+    assert.ok(x < box.x || x > box.x + box.width || y < box.y || y > box.y + box.height, `${name} at ${x}, ${y}, the card at ${JSON.stringify(box)}`);
+  }
+  const mass = card.locator("dt", { hasText: "Mass" });
+  assert.ok(await mass.isHidden());
+  await card.getByRole("button", { name: "More" }).click();
+  assert.ok(await mass.isVisible());
+}, { viewport: { width: 390, height: 844 } });
+
 pageTest("a finger pulls a body by a long press, and orbits without one", async (page) => {
   await look(page, "Table");
   const from = await body(page, "box");

@@ -101,11 +101,18 @@ pageTest("ports, panels and plots work in a browser without WebGL", async (page)
   await button(page, "Take control of arm").click();
   await button(page, "Joint 1 more").click();
   await until(page, () => visum.read("arm", "Actual Angle 1") > 0.03);
+  // Held, it goes on
+  const step = await page.evaluate(() => visum.read("arm", "Desired Angle 1"));
+  await button(page, "Joint 1 more").hover();
+  await page.mouse.down();
+  await until(page, (by) => visum.read("arm", "Desired Angle 1") > 3.5 * by, step);
+  await page.mouse.up();
   await until(page, () => document.querySelectorAll(".plot .u-series").length === 2);
 }, flat);
 
-pageTest("a first visit gets three steps, once; a key shows the keys", async (page) => {
+pageTest("a first visit gets first steps, once; a key shows the keys", async (page) => {
   const steps = page.getByRole("region", { name: "First steps" });
+  assert.match(await steps.textContent(), /Take control.*the tab “Tool”.*Stop/);
   await steps.getByRole("button", { name: "Got it" }).press("Enter");
   await steps.waitFor({ state: "detached" });
   await page.locator("main").focus();
@@ -119,6 +126,14 @@ pageTest("a first visit gets three steps, once; a key shows the keys", async (pa
   await live(page);
   assert.equal(await steps.count(), 0);
 }, { firstVisit: true, ...flat });
+
+pageTest("the first steps are those of this world, and beside its cameras", async (page) => {
+  const steps = page.getByRole("region", { name: "First steps" });
+  assert.doesNotMatch(await steps.textContent(), /Take control|Tool/);
+  await page.getByRole("button", { name: "Camera eye_0" }).locator("canvas").waitFor();
+  await steps.getByRole("button", { name: "Got it" }).click(); // nothing lies over it
+  await steps.waitFor({ state: "detached" });
+}, { firstVisit: true, daemon: [join(source, "models/scenes/eight_cameras.yaml")] });
 
 // The corners of the table, which is the largest thing of the scene.
 const kCorners = [-0.25, 0.25].flatMap((x) => [-0.5, 0.5].flatMap((y) => [-0.1, 0.1].map((z) => [x, y, z])));
@@ -143,6 +158,10 @@ pageTest("cameras are live tiles, and nobody is asked to command them", async (p
   const first = await taken();
   await tile.click();
   await until(page, (text) => document.querySelector(".tile canvas").getAttribute("aria-label") !== text, first);
+  assert.equal(await tile.getAttribute("aria-pressed"), "true");
+  await page.keyboard.press("Escape"); // makes it small again, and stops nothing
+  assert.equal(await tile.getAttribute("aria-pressed"), "false");
+  assert.equal(await page.getByText(/^The world is paused/).count(), 0);
   assert.equal(await button(page, "Take control").count(), 0);
   assert.ok(await page.getByRole("combobox", { name: "Panel" }).isVisible(), "and what they measure is a panel");
 }, { daemon: [join(source, "models/scenes/sensors.yaml")] });

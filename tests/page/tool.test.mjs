@@ -47,6 +47,57 @@ pageTest("the tool is jogged along axes, to typed coordinates, and stops at the 
   });
 }, flat);
 
+const chip = (page) => page.getByRole("status", { name: "State of arm" });
+const notice = (page) => page.locator(".tool-notice");
+
+pageTest("on its way the tool meets the table: it lets go, and says so", async (page) => {
+  await openTool(page);
+  for (const [axis, value] of [["x", 0.45], ["y", 0.1], ["z", 0.3]]) {
+    await field(page, axis).fill(String(value));
+    await field(page, axis).press("Enter");
+  }
+  await field(page, "z").blur();
+  await page.getByText(/The tool stops: arm\/joint_\d stays .* from where it is commanded; look for what holds it/).waitFor();
+  // Nothing presses any longer
+  await until(page, () => [1, 2, 3, 4, 5, 6, 7].every((i) => Math.abs(visum.read("arm", `Desired Angle ${i}`) - visum.read("arm", `Actual Angle ${i}`)) < 0.01));
+  await until(page, () => document.querySelector(".chip-words").textContent === "ready");
+}, flat);
+
+pageTest("a slow arm stays on its line, and is offered its speed", async (page) => {
+  await openTool(page);
+  const start = await place(page);
+  await page.evaluate(() => Promise.all([1, 2, 3, 4, 5, 6, 7].map((i) => visum.write("arm", `Maximum Speed ${i}`, 0.01))));
+  await page.getByText("Maximum Speed 1 is 0.0100 rad/s: the tool is slow.").waitFor();
+  await field(page, "y").fill("0.15");
+  await field(page, "y").press("Enter");
+  await field(page, "y").blur();
+  const from = await page.evaluate(() => visum.simTime());
+  await until(page, (time) => visum.simTime() > time + 3, from);
+  const [x, y, z] = await place(page);
+  assert.ok(y > 0.005 && y < 0.1 && Math.hypot(x - start[0], z - start[2]) < 0.005, `from ${start} to ${[x, y, z]}`);
+  await button(page, "Full speed").click();
+  await arrives(page, [start[0], 0.15, start[2]]);
+  assert.ok(await notice(page).isHidden());
+}, flat);
+
+pageTest("in a fault the tool takes nothing; a switched-off drive gets its supply off and on, and needs its rest", async (page) => {
+  await openTool(page);
+  await page.evaluate(() => visum.write("arm", "Desired Angle 2", 0.95)); // into the table
+  await page.getByRole("combobox", { name: "Speed" }).selectOption("10×");
+  const end = chip(page).getByRole("button", { name: "Supply off and on, Reset" });
+  await end.waitFor();
+  await until(page, () => /arm is in fault; see the bar above/.test(document.querySelector(".tool-notice").textContent));
+  assert.ok(await field(page, "x").isDisabled());
+  assert.match(await chip(page).locator(".chip-reason").textContent(), /switch the supply off and on, wait \d+ s, then Reset/);
+  await end.click();
+  await page.getByText(/arm: Reset did not end the fault\. joint_2: /).waitFor();
+  const from = await page.evaluate(() => visum.simTime());
+  await until(page, (time) => visum.simTime() > time + 20, from);
+  await end.click();
+  await until(page, () => document.querySelector(".chip-words").textContent === "ready");
+  await until(page, () => !document.querySelector('[aria-label="Tool z more"]').disabled);
+}, flat);
+
 pageTest("the tool is dragged by its handles in the view, and the arm follows", async (page) => {
   await openTool(page);
   await settled(page, kHand);

@@ -87,7 +87,7 @@ layout.bar.append(h("h1", {}, "Visum"), scene, realityBadge(link), time.element,
     if (port) plot([port]);
   }));
 layout.panes.parts.append(tree.element);
-const hint = firstSteps();
+const hint = firstSteps(parts);
 if (hint) layout.view.append(hint);
 layout.view.append(lostBanner(link), frozenBanner(link, clock, () => reset()), new CameraTiles(parts).element);
 window.visum = makeApi(parts, world, recording, view);

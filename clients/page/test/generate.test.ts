@@ -59,6 +59,7 @@ test("a gap lies between the samples on both sides of it", () => {
   assert.deepEqual(gapsOf([0, 1, 1.5, 2, 3], [[5, 5, null, 6, 6]]), [{ from: 1, to: 2 }]);
   assert.deepEqual(gapsOf([0, 1, 1.5, 2, 3], [[5, 5, null, 6, 6], [1, undefined, undefined, undefined, 1]]), [{ from: 1, to: 2 }]);
   assert.deepEqual(gapsOf([0, 1, 2], [[5, null, 6], [5, 5, 6]]), [], "the other trace has a sample");
+  assert.deepEqual(gapsOf([0, 1, 2, 3, 4], [[null, null, 5, 5, 5]]), [], "nobody asked for it before");
 });
 
 // A ray at the angle of view touches the sphere: the closed form.

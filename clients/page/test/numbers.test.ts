@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { formatBytes, formatInRange, formatNs, formatOf, formatTime, formatValue, inDegrees, inWords, niceStep, share } from "../src/ui/numbers";
+import { fieldText, formatBytes, formatInRange, formatNs, formatOf, formatTime, formatValue, inDegrees, inWords, niceStep, share } from "../src/ui/numbers";
 
 test("values have as many digits as an eye can use", () => {
   assert.deepEqual([0, 1.23456, -12.3456, 123.456, 12345.67].map((value) => formatValue(value, "rad")), ["0.0000", "1.2346", "−12.346", "123.46", "12345.7"]);
@@ -10,6 +10,8 @@ test("values have as many digits as an eye can use", () => {
 test("within a range the decimals stay, and nothing is minus zero", () => {
   assert.deepEqual([0, 1.23e-5, -1.23e-5, -12.3456].map((value) => formatInRange(value, -Math.PI, Math.PI, "rad")), ["0.0000", "0.0000", "0.0000", "−12.3456"]);
   assert.deepEqual([formatInRange(0.017, 0, 0.07, "m"), formatInRange(91.718, -180, 180, "°"), formatInRange(7, 0, 65535, "")], ["0.01700", "91.72", "7"]);
+  assert.deepEqual([0.0000237, -0.0000237, 1.25, -0.5].map((value) => fieldText(value, 0, 12)), ["0", "0", "1.25", "-0.5"], "a field shows all of a number");
+  assert.equal(fieldText(1234567.89, -Infinity, Infinity), "1234570");
   assert.deepEqual([formatInRange(2.5e-6, 0, Infinity, "m"), formatInRange(NaN, 0, 1, "m"), formatInRange(2e7, 0, 1, "m")], ["2.50e−6", "–", "2.00e+7"]);
 });
 

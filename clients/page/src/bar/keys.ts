@@ -13,8 +13,8 @@ const kTyping = "input, select, textarea, button, summary, [contenteditable]";
 export function listenForKeys(actions: KeyActions): void {
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
-    // Escape first closes what it closes everywhere: a menu, a question
-    const closes = document.querySelector("dialog[open], details.popover[open]") !== null;
+    // Escape first closes what it closes everywhere: a menu, a question, an enlarged picture
+    const closes = document.querySelector("dialog[open], details.popover[open], .tile[aria-pressed='true']") !== null;
     if (event.key === kStopKey && !closes && !event.repeat) return actions.stop();
     if (target.closest(kTyping)) return;
     if (event.key === "?") return actions.help();

@@ -11,6 +11,12 @@ import { Signal } from "../common/signal";
 export const kEmergencyStop = "Emergency Stop";
 const kTripped = "Tripped"; // protocol/part_description.h
 const kPeriodMs = 700;
+const kWithinS = 0.3; // of simulated time: so soon a part acts on what it is told,
+const kWithinMs = 5000; // and so long the page waits for that
+const kHinders = ["fault", "controller lost", "halted", "disabled"]; // states in which nothing moves on command
+// Faults of the power stage, which end only after the supply was off (hwparts/README.md)
+const kPowerStage = /\b(INTEGRALERR|FET_TEMP)\b/;
+const kSupplyOff = /\bPOW_VOLT_ERR\b/;
 
 export interface PartState {
   words: string;
@@ -28,6 +34,25 @@ const kWayOut: Record<string, { text: string; port: string }> = {
   disabled: { text: "set Execution Enable", port: "Execution Enable" },
 };
 
+// The state of a part in words; empty where it has none.
+export function stateWords(part: Part): string {
+  const port = statePort(part);
+  return port ? inWords(port.description, part.value(port)) : "";
+}
+
+// Why a part does not move on command now; empty: it does.
+export function hindrance(part: Part): string {
+  const words = stateWords(part);
+  return kHinders.includes(words) ? `${part.name} is ${words === "fault" ? "in fault" : words}; see the bar above` : "";
+}
+
+const statePort = (part: Part): Port | undefined =>
+  part.ports.find(({ side, description }) => side === "output" && description.name === "Part State" && description.values.length > 0);
+
+// Whether a drive of a part is in one of these states.
+const anyDrive = (part: Part, expression: RegExp): boolean =>
+  part.ports.some((port) => port.side === "output" && port.description.bits.length > 0 && expression.test(inWords(port.description, part.value(port))));
+
 export class PartWatch {
   readonly state = new Signal<PartState>({ words: "", tone: "plain", reason: "", stopped: false });
   private readonly port: Port | undefined;
@@ -36,7 +61,7 @@ export class PartWatch {
   private readonly stops: (() => void)[];
 
   constructor(private readonly link: Link, readonly part: Part) {
-    this.port = part.ports.find(({ side, description }) => side === "output" && description.name === "Part State" && description.values.length > 0);
+    this.port = statePort(part);
     const ask = poll(() => this.ask(), kPeriodMs);
     this.stops = [ask, part.sampled.on(() => this.show())];
   }
@@ -53,6 +78,43 @@ export class PartWatch {
   get wayOut(): Port | undefined {
     const { words } = this.state.value;
     return this.part.port(kWayOut[words]?.port ?? "");
+  }
+
+  // Whether only switching the supply off and on lets Reset end the present state.
+  get needsSupplyOff(): boolean {
+    return this.state.value.words === "fault" && this.hasStop && anyDrive(this.part, kPowerStage);
+  }
+
+  // Ends the present state by its input, which the page may write. Throws where that did not help, with the
+  // reason.
+  async end(): Promise<void> {
+    const { wayOut, part } = this;
+    if (!wayOut) return;
+    if (this.needsSupplyOff) await this.switchSupply();
+    const { words } = this.state.value;
+    const isSwitch = wayOut.description.maximum === 1;
+    await part.write(wayOut, isSwitch ? 1 : part.commanded(wayOut) + 1);
+    if (wayOut.description.name !== "Reset" || (await this.comes(() => stateWords(part) !== words))) return;
+    throw new Error(`${part.name}: Reset did not end the ${words}. ${this.state.value.reason}`);
+  }
+
+  // The emergency stop takes the supply from all drives.
+  private async switchSupply(): Promise<void> {
+    await this.press(true);
+    const off = await this.comes(() => anyDrive(this.part, kSupplyOff));
+    await this.press(false);
+    if (!off) throw new Error(`The supply of ${this.part.name} was not seen off; let the world run, and try again`);
+  }
+
+  // Waits for what a part shows soon.
+  private comes(condition: () => boolean): Promise<boolean> {
+    const time = () => Number(this.part.sample?.simTimeNs ?? 0n) / 1e9;
+    const from = time();
+    return new Promise((done) => {
+      const end = (came: boolean) => (clearTimeout(timer), stop(), done(came));
+      const timer = setTimeout(() => end(condition()), kWithinMs);
+      const stop = this.part.sampled.on(() => (condition() || Math.abs(time() - from) > kWithinS) && end(condition()));
+    });
   }
 
   async press(on: boolean): Promise<void> {

@@ -53,7 +53,8 @@ export class PartStrip {
 
 function wayName(watch: PartWatch, state: PartState): string {
   if (state.stopped) return "Release stop";
-  return watch.wayOut?.description.name ?? "";
+  const name = watch.wayOut?.description.name ?? "";
+  return watch.needsSupplyOff ? `Supply off and on, ${name}` : name;
 }
 
 function leaseWords(part: Part): string {
@@ -63,10 +64,7 @@ function leaseWords(part: Part): string {
 
 // Takes the lease where it is free, because a user who presses the button wants just that.
 async function leave(watch: PartWatch): Promise<void> {
-  const { part, wayOut } = watch;
   if (watch.state.value.stopped) return watch.press(false);
-  if (!wayOut) return;
-  if (!part.leased.value) await part.acquire();
-  const isSwitch = wayOut.description.maximum === 1;
-  await part.write(wayOut, isSwitch ? 1 : part.commanded(wayOut) + 1);
+  if (watch.wayOut && !watch.part.leased.value) await watch.part.acquire();
+  await watch.end();
 }

@@ -11,7 +11,8 @@ interface DriveLimits extends Limits {
   unit: string;
 }
 
-const kDesired = /^Desired (Angle|.*Position)$/;
+// The groups of inputs that are desired positions.
+export const kDesired = /^Desired (Angle|.*Position)$/;
 
 // Drives and desired positions of one unit have the same order. One drive with several positions moves them
 // alike, and its limits count for their sum. An input whose drive is not clear has no limits here.

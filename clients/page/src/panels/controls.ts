@@ -1,6 +1,7 @@
 // Widgets that write values: slider with jog buttons, number, push button, radio buttons, bit selector.
 import { h, setText } from "../ui/dom";
-import { formatEnd, formatOf, niceStep, share } from "../ui/numbers";
+import { whileHeld } from "../ui/hold";
+import { fieldText, formatEnd, formatOf, niceStep, share } from "../ui/numbers";
 import { commandedOf, limits, valueOf, writeAll, type Context, type Widget } from "./widget";
 
 const kTouchedMs = 600; // for this long after a touch, the value in force does not move a control
@@ -24,9 +25,11 @@ export function slider(context: Context): Widget {
     writeAll(ports, within);
   };
   input.addEventListener("input", () => set(Number(input.value)));
-  const jog = (sign: number) =>
-    h("button", { type: "button", class: "small jog", "aria-label": `${data.label} ${sign < 0 ? "less" : "more"}`,
-      onclick: () => set(commandedOf(ports[0]) + sign * (data.jog ?? 0)) }, sign < 0 ? "−" : "+");
+  const jog = (sign: number) => {
+    const button = h("button", { type: "button", class: "small jog", "aria-label": `${data.label} ${sign < 0 ? "less" : "more"}` }, sign < 0 ? "−" : "+");
+    whileHeld(button, () => set(commandedOf(ports[0]) + sign * (data.jog ?? 0)));
+    return button;
+  };
   const buttons = data.jog ? [jog(-1), jog(1)] : [];
   const ends = h("span", { class: "slider-ends" }, h("span", {}, formatEnd(minimum)), h("span", {}, `${formatEnd(maximum)} ${description?.unit ?? ""}`));
   return {
@@ -53,7 +56,7 @@ export function number(context: Context): Widget {
     body: h("div", { class: "w-number" }, input, h("span", { class: "unit" }, unit)),
     update() {
       const value = valueOf(ports[0]);
-      if (document.activeElement !== input && !Number.isNaN(value)) input.value = String(Number(value.toPrecision(6)));
+      if (document.activeElement !== input && !Number.isNaN(value)) input.value = fieldText(value, minimum, maximum);
     },
     setEnabled: (on) => (input.disabled = !on),
   };

@@ -20,16 +20,22 @@ export function shadeGaps(plot: uPlot): void {
   ctx.restore();
 }
 
-// The times between the samples on both sides of each null. Pure.
+// The times between the samples on both sides of each null. Before its first value a plot was not there yet.
+// Pure.
 export function gapsOf(times: ArrayLike<number>, traces: readonly ArrayLike<number | null | undefined>[]): { from: number; to: number }[] {
   const gaps: { from: number; to: number }[] = [];
-  for (let i = 0; i < times.length; ++i) {
-    if (i === 0 || i + 1 >= times.length || !isGap(traces, i)) continue;
+  for (let i = firstValue(times.length, traces) + 1; i + 1 < times.length; ++i) {
+    if (!isGap(traces, i)) continue;
     const last = gaps.at(-1);
     if (last && last.to === times[i]) last.to = times[i + 1]!;
     else gaps.push({ from: times[i - 1]!, to: times[i + 1]! });
   }
   return gaps;
+}
+
+function firstValue(length: number, traces: readonly ArrayLike<number | null | undefined>[]): number {
+  for (let i = 0; i < length; ++i) if (traces.some((trace) => typeof trace[i] === "number")) return i;
+  return length;
 }
 
 // A null, and no value. Undefined: only another part has a sample at that time.

@@ -6,16 +6,21 @@ import type { JointDescription, WorldDescription, WorldSample } from "../link/me
 import { neighbours } from "../model/neighbours";
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
+import { kDesired } from "../model/soft_limits";
 import { portsOfJoint } from "../view3d/driving_ports";
+import { actualOf } from "./teach";
 
 const kFinest = 1e9; // parts of a radian or metre that are commanded: 1e-17 is no number to show
+const kSlow = 0.1; // of the drive's own maximum speed
 
 export interface Link {
   joint: ChainJoint;
   port: Port; // its desired value
+  actual: Port | undefined;
+  speed: Port | undefined; // its maximum speed
 }
 
-const kDesired = /^Desired (Angle|.*Position)/;
+const kMaximumSpeed = /^Maximum .*Speed/;
 
 export class Arm {
   readonly part: Part;
@@ -34,6 +39,21 @@ export class Arm {
     return this.links.map(({ port }) => port.part.commanded(port));
   }
 
+  // The values that the joints have, as their drives tell them. Of a drive that tells none: as commanded.
+  actual(): number[] {
+    return this.links.map(({ port, actual }) => (actual ? actual.part.value(actual) : port.part.commanded(port)));
+  }
+
+  // The ports that let a joint move at a small share of its drive's maximum speed, as a controller may have
+  // left them.
+  slowed(): Port[] {
+    return this.links.flatMap(({ speed }) => (speed && speed.part.commanded(speed) < kSlow * speed.description.initial ? [speed] : []));
+  }
+
+  async hurry(): Promise<void> {
+    await writeEach(new Map(this.slowed().map((port) => [port, port.description.initial])));
+  }
+
   // The tool's pose for joint values, in the base's frame.
   at(values: readonly number[]): Pose {
     return forward(this.joints, values);
@@ -44,10 +64,13 @@ export class Arm {
   }
 
   async command(values: readonly number[]): Promise<void> {
-    const wanted = new Map(this.links.map(({ port }, i) => [port, Math.round(values[i]! * kFinest) / kFinest]));
-    const runs = neighbours([...wanted.keys()]);
-    await Promise.all(runs.map((run) => run[0]!.part.writeValues(run[0]!, run.map((port) => wanted.get(port)!))));
+    await writeEach(new Map(this.links.map(({ port }, i) => [port, Math.round(values[i]! * kFinest) / kFinest])));
   }
+}
+
+async function writeEach(wanted: ReadonlyMap<Port, number>): Promise<void> {
+  const runs = neighbours([...wanted.keys()]);
+  await Promise.all(runs.map((run) => run[0]!.part.writeValues(run[0]!, run.map((port) => wanted.get(port)!))));
 }
 
 // The pose of a body in the world's frame; of the world itself where `body` is -1.
@@ -66,10 +89,13 @@ export function armOf(description: WorldDescription, sample: WorldSample, parts:
     const number = description.joints.indexOf(joint);
     const value = sample.jointPositions[number] ?? 0;
     const [parent, child] = [joint.parent, joint.child].map((name) => bodyPose(sample, name === "" ? -1 : index(name))) as [Pose, Pose];
-    const port = desiredPort(description, parts, joint);
+    const ports = inputsOf(description, parts, joint);
+    const port = desiredPort(ports);
     if (port) {
-      const link = linkOf(joint, port, value, compose(inverse(parent), child));
-      links.unshift({ ...link, joint: { ...link.joint, child: compose(link.joint.child, rest) } });
+      const moved = jointOf(joint, port, value, compose(inverse(parent), child));
+      const speed = ports.find(({ description: { group } }) => kMaximumSpeed.test(group));
+      const actual = port.part.port(actualOf(port.description.name));
+      links.unshift({ joint: { ...moved, child: compose(moved.child, rest) }, port, actual, speed });
       rest = kIdentity;
     } else {
       rest = compose(compose(inverse(parent), child), rest);
@@ -88,17 +114,21 @@ const kMostJoints = 32;
 const carrier = (description: WorldDescription, body: string): JointDescription | undefined =>
   description.joints.find(({ child }) => child === body);
 
-function desiredPort(description: WorldDescription, parts: Parts, joint: JointDescription): Port | undefined {
+// The inputs that drive a joint; none where nothing does.
+function inputsOf(description: WorldDescription, parts: Parts, joint: JointDescription): Port[] {
   const part = parts.find(joint.part);
-  if (!part || !(joint.type === "hinge" || joint.type === "slider")) return undefined;
+  if (!part || !(joint.type === "hinge" || joint.type === "slider")) return [];
   const siblings = description.joints.filter((other) => other.part === joint.part && other.type !== "fixed");
-  const inputs = part.ports.filter(({ side }) => side === "input");
-  return portsOfJoint(joint, siblings, inputs).find(({ description: { group, unit } }) => kDesired.test(group) && (unit === "rad" || unit === "m"));
+  return portsOfJoint(joint, siblings, part.ports.filter(({ side }) => side === "input"));
+}
+
+function desiredPort(ports: readonly Port[]): Port | undefined {
+  return ports.find(({ description: { group, unit } }) => kDesired.test(group) && (unit === "rad" || unit === "m"));
 }
 
 // `between`: the child's pose in the parent's frame, with the joint at `value`. It tells where the child's
 // frame is behind the joint.
-function linkOf(joint: JointDescription, port: Port, value: number, between: Pose): Link {
+function jointOf(joint: JointDescription, port: Port, value: number, between: Pose): ChainJoint {
   const [x = 0, y = 0, z = 1] = joint.axis;
   const axis: Vector = [x, y, z];
   const slides = joint.type === "slider";
@@ -111,13 +141,13 @@ function linkOf(joint: JointDescription, port: Port, value: number, between: Pos
     upper: Math.min(limits.maximum, limited ? joint.upper : Infinity),
   };
   const moved = compose(frame, motion(bare, value));
-  return { port, joint: { ...bare, child: compose(inverse(moved), between) } };
+  return { ...bare, child: compose(inverse(moved), between) };
 }
 
 // The bodies that chains carry, the longest chain first. Where fingers branch off, the hand comes before
 // them.
 export function tools(description: WorldDescription, parts: Parts): string[] {
-  const driven = (joint: JointDescription) => desiredPort(description, parts, joint) !== undefined;
+  const driven = (joint: JointDescription) => desiredPort(inputsOf(description, parts, joint)) !== undefined;
   const depth = (body: string, left = kMostJoints): number => {
     const joint = carrier(description, body);
     return !joint || left === 0 ? 0 : depth(joint.parent, left - 1) + (driven(joint) ? 1 : 0);

@@ -1,10 +1,12 @@
 // The tab "Tool": where the tool is, coordinates to type, a jog by axes, and the poses that were taught.
+import { hindrance } from "../bar/part_state";
 import { toRpy, fromRpy, type Pose, type Vector } from "../kinematics/pose";
 import { Signal } from "../common/signal";
 import type { Link } from "../link/link";
 import type { Parts } from "../model/parts";
 import type { World } from "../model/world";
 import { h, setText } from "../ui/dom";
+import { formatValue } from "../ui/numbers";
 import { report, reportError } from "../ui/toasts";
 import { armOf, bodyPose, tools, type Arm } from "./arm";
 import { fromFrame, inFrame, kAxes, kFrames, stepped, type FrameName } from "./frames";
@@ -29,6 +31,8 @@ export class ToolPane {
   private readonly take = h("button", { type: "button", class: "primary take" });
   private readonly fields: HTMLInputElement[];
   private readonly controls: (HTMLInputElement | HTMLButtonElement)[];
+  private readonly notice = h("span", {});
+  private readonly hurry = h("button", { type: "button", class: "small", onclick: () => void this.arm.value?.hurry().catch(reportError) }, "Full speed");
   private readonly teach: TeachView;
 
   constructor(private readonly link: Link, private readonly world: World, private readonly parts: Parts, readonly mover: Mover) {
@@ -39,7 +43,8 @@ export class ToolPane {
     const rows = kAxes.map((axis, i) => h("div", { class: "jog-row" }, h("span", { class: "jog-axis" }, axis), jogs[2 * i]!, this.fields[i]!, h("span", { class: "unit" }, i < 3 ? "m" : "°"), jogs[2 * i + 1]!));
     this.element.append(
       h("div", { class: "tool-choices" }, field("Moves", this.choice), field("Frame", this.frame), field("Step", this.step), field("Handles", this.handles)),
-      h("div", { class: "jog-rows", role: "group", "aria-label": "Coordinates of the tool" }, ...rows, h("p", { class: "jog-hint" }, "Type a coordinate and press Enter: the tool moves there.")), this.take, this.teach.element);
+      h("div", { class: "jog-rows", role: "group", "aria-label": "Coordinates of the tool" }, ...rows, h("p", { class: "jog-hint" }, "Type a coordinate and press Enter: the tool moves there.")),
+      h("div", { class: "tool-notice", role: "status" }, this.notice, this.hurry), this.take, this.teach.element);
     this.choice.addEventListener("change", () => this.use(this.choice.value));
     this.take.addEventListener("click", () => void this.arm.value?.part.acquire().catch(reportError));
     mover.stopped.on((why) => report(`The tool stops: ${why}`, "error"));
@@ -54,6 +59,10 @@ export class ToolPane {
   }
 
   get isUsable(): boolean {
+    return this.holds && hindrance(this.arm.value!.part) === "";
+  }
+
+  private get holds(): boolean {
     return this.arm.value !== null && this.arm.value.part.leased.value && this.link.mayCommand;
   }
 
@@ -143,7 +152,8 @@ export class ToolPane {
     const usable = (this.usable.value = this.isUsable);
     if (!arm || !this.world.sample || document.hidden || this.element.offsetParent === null) return;
     for (const control of this.controls) if (control.disabled === usable) control.disabled = !usable;
-    this.take.hidden = usable;
+    this.take.hidden = this.holds;
+    this.showNotice(arm);
     this.take.disabled = !this.link.mayCommand;
     setText(this.take, `Take control of ${arm.part.name}`);
     this.teach.enable(usable);
@@ -151,6 +161,15 @@ export class ToolPane {
     this.fields.forEach((input, i) => {
       if (document.activeElement !== input) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
     });
+  }
+
+  // Why the arm does not move, or moves slower than a user expects.
+  private showNotice(arm: Arm): void {
+    const hindered = hindrance(arm.part);
+    const [slow] = hindered === "" ? arm.slowed() : [];
+    setText(this.notice, hindered !== "" ? `${hindered}.` : slow ? `${slow.description.name} is ${formatValue(arm.part.commanded(slow))} ${slow.description.unit}: the tool is slow.` : "");
+    this.hurry.hidden = !slow;
+    this.hurry.disabled = !this.usable.value;
   }
 
   // Where the tool is, by the world itself, in the base's frame.

@@ -1,6 +1,7 @@
 // The list of taught poses: save, order, go to, play, loop, export. The browser keeps it for each scene.
 import type { Signal } from "../common/signal";
 import type { Part } from "../model/part";
+import { kDesired } from "../model/soft_limits";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { download } from "../ui/files";
@@ -13,7 +14,6 @@ import { asPython, asScenario, freeName, moved, readCourse, type Course } from "
 
 const kStored = "visum.poses.";
 const kSecondsEach = 8; // in an exported scenario
-const kDesired = /^Desired (Angle|.*Position)/;
 
 export class TeachView {
   readonly element = h("section", { class: "teach", "aria-label": "Taught poses" });
@@ -26,8 +26,8 @@ export class TeachView {
   private usable = false;
 
   constructor(private readonly world: World, private readonly arm: Signal<Arm | null>, private readonly mover: Mover) {
-    this.element.append(h("div", { class: "teach-tools" }, this.save, this.play, h("label", { class: "check" }, this.loop, h("span", {}, "Loop")),
-      h("button", { type: "button", class: "small", title: "Export as a controller in Python", onclick: () => this.exportPython() }, "Python"),
+    this.element.append(h("div", { class: "teach-tools" }, this.save, this.play, h("label", { class: "check" }, this.loop, h("span", {}, "Loop"))),
+      h("div", { class: "teach-tools" }, h("span", {}, "Export as"), h("button", { type: "button", class: "small", title: "Export as a controller in Python", onclick: () => this.exportPython() }, "Python"),
       h("button", { type: "button", class: "small", title: "Export as a scenario", onclick: () => this.exportScenario() }, "Scenario")),
     this.list);
     arm.watch((now) => this.use(now?.part.name ?? ""));

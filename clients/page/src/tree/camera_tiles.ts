@@ -20,6 +20,7 @@ export class CameraTiles {
 
   constructor(parts: Parts) {
     parts.list.watch((list) => this.build(list));
+    document.addEventListener("keydown", ({ key }) => key === "Escape" && this.enlarge(null));
   }
 
   private build(list: readonly Part[]): void {
@@ -33,6 +34,10 @@ export class CameraTiles {
     this.element.replaceChildren(...tiles.map(({ element }) => element), close);
   }
 
+  private enlarge(tile: HTMLElement | null): void {
+    for (const one of this.element.querySelectorAll(".tile")) one.setAttribute("aria-pressed", String(one === tile));
+  }
+
   private tile(part: Part, board: string): { element: HTMLElement; stop: () => void } {
     const picture = h("span", { class: "tile-picture" });
     const element = h("button", { type: "button", class: "tile", "aria-pressed": "false", "aria-label": `Camera ${part.name}` }, picture, h("span", { class: "tile-name" }, part.name));
@@ -40,9 +45,7 @@ export class CameraTiles {
     let generation = -1n;
     let next = 0;
     const enlarged = () => element.getAttribute("aria-pressed") === "true";
-    element.addEventListener("click", () => {
-      for (const other of this.element.querySelectorAll(".tile")) other.setAttribute("aria-pressed", String(other === element && !enlarged()));
-    });
+    element.addEventListener("click", () => this.enlarge(enlarged() ? null : element));
     const refresh = async () => {
       if (document.hidden || this.element.hidden || performance.now() < next) return;
       const data = await part.readBlackboard(board);

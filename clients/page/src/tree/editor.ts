@@ -2,7 +2,7 @@
 // number for all others.
 import type { Port } from "../model/part";
 import { h } from "../ui/dom";
-import { formatEnd, niceStep } from "../ui/numbers";
+import { fieldText, formatEnd, niceStep } from "../ui/numbers";
 import { reportError } from "../ui/toasts";
 
 export interface Editor {
@@ -58,7 +58,7 @@ function numberEditor(port: Port): Editor {
   const touch = () => (touched = performance.now());
   slider.addEventListener("input", () => {
     touch();
-    number.value = String(Number(Number(slider.value).toPrecision(6)));
+    number.value = fieldText(Number(slider.value), minimum, maximum);
     writePort(port, Number(slider.value));
   });
   number.addEventListener("input", touch);
@@ -71,7 +71,7 @@ function numberEditor(port: Port): Editor {
   // Shows the value in force, except while the user is about to change it.
   const show = (value: number) => {
     if (performance.now() - touched < 600 || Number.isNaN(value)) return;
-    if (document.activeElement !== number) number.value = String(Number(value.toPrecision(6)));
+    if (document.activeElement !== number) number.value = fieldText(value, minimum, maximum);
     if (document.activeElement !== slider || Number(slider.value) !== value) slider.value = String(value);
   };
   return { element: h("div", { class: "number-editor" }, slider, number), show };

@@ -16,10 +16,20 @@ export function formatValue(value: number, unit = ""): string {
 // 0.00000 for some centimetres). So a value that trembles about zero stays readable. Whole numbers without a
 // unit stay whole.
 export function formatInRange(value: number, minimum: number, maximum: number, unit = ""): string {
-  const range = maximum - minimum;
-  if (!(range > 0 && range < kWidest) || !(Math.abs(value) < kWidest) || (unit === "" && Number.isInteger(value))) return formatValue(value, unit);
-  const decimals = Math.min(kMostDecimals, Math.max(0, 4 - Math.floor(Math.log10(range / 2))));
+  const decimals = decimalsIn(minimum, maximum);
+  if (decimals === null || !(Math.abs(value) < kWidest) || (unit === "" && Number.isInteger(value))) return formatValue(value, unit);
   return value.toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+}
+
+// The text of an input field for a value of a range, without what is too small to matter: 0, 1.25, -0.0031.
+export function fieldText(value: number, minimum: number, maximum: number): string {
+  const decimals = decimalsIn(minimum, maximum);
+  return String(Number(decimals === null ? value.toPrecision(6) : value.toFixed(decimals)) || 0);
+}
+
+function decimalsIn(minimum: number, maximum: number): number | null {
+  const range = maximum - minimum;
+  return range > 0 && range < kWidest ? Math.min(kMostDecimals, Math.max(0, 4 - Math.floor(Math.log10(range / 2)))) : null;
 }
 
 // An end of a range, as short as can be: 3.093, −9.4, 0.07.

@@ -1,6 +1,6 @@
 // The selected body: its name, its motion, the ports that drive it. With the role for it, the user pulls a
 // body by a spring, as if by hand: Ctrl or Alt with the pointer, or a long press of a finger.
-import type { Vector3 } from "three";
+import { Vector3 } from "three";
 import type { Link } from "../link/link";
 import type { Clock } from "../model/clock";
 import type { Parts } from "../model/parts";
@@ -25,14 +25,16 @@ export class Selection {
   private readonly title = h("h2", {});
   private readonly facts = h("dl", {});
   private readonly card: HTMLElement;
+  private readonly more = h("button", { type: "button", class: "small more", "aria-expanded": "false" }, "More"); // in a narrow view
   private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");
 
   constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, clock: Clock, container: HTMLElement) {
     this.pull = new Pull(viewer, link, () => clock.status.value?.realTimeFactor ?? 1, reportError);
     this.card = h("section", { class: "body-card", hidden: true, "aria-label": "Selected body" },
-      h("header", {}, this.title, this.follow, iconButton(icons.close, "Close", () => this.select(-1))), this.facts);
+      h("header", {}, this.title, this.more, this.follow, iconButton(icons.close, "Close", () => this.select(-1))), this.facts);
     container.append(this.card);
     this.follow.addEventListener("click", () => this.toggleFollow());
+    this.more.addEventListener("click", () => this.more.setAttribute("aria-expanded", String(this.more.getAttribute("aria-expanded") !== "true")));
     this.listen(viewer.canvas);
     world.description.watch(() => this.letGo());
     viewer.rebuilt.on(() => this.letGo());
@@ -44,6 +46,7 @@ export class Selection {
     this.viewer.bodies.select(body);
     this.selected.emit(body);
     this.card.hidden = body < 0;
+    this.card.classList.toggle("low", this.isInUpperHalf());
     setText(this.title, this.name);
     this.follow.setAttribute("aria-pressed", String(this.isFollowed()));
     this.refresh();
@@ -82,6 +85,14 @@ export class Selection {
     });
   }
 
+  // Of the view. In a narrow one the card lies in the other half, so as not to hide its body.
+  private isInUpperHalf(): boolean {
+    const group = this.viewer.bodies.groups[this.body];
+    const at = group && this.viewer.toPixels(group.getWorldPosition(new Vector3()));
+    const { top, height } = this.viewer.canvas.getBoundingClientRect();
+    return !!at && at.y < top + height / 2;
+  }
+
   private toggleFollow(): void {
     this.viewer.followed = this.isFollowed() ? "" : this.name;
     this.follow.setAttribute("aria-pressed", String(this.isFollowed()));
@@ -107,6 +118,7 @@ export class Selection {
     if (!hit || !body || body.fixed || !this.link.mayChangeWorld) return false;
     this.select(hit.body);
     this.pull.begin(hit.body, body, hit.point);
+    this.card.classList.add("pulling");
     this.viewer.canvas.setPointerCapture(event.pointerId);
     this.viewer.view.controls.enabled = false;
     return true;
@@ -114,6 +126,7 @@ export class Selection {
 
   private endPull(): void {
     this.pull.end();
+    this.card.classList.remove("pulling");
     this.viewer.view.controls.enabled = true;
   }
 
@@ -126,10 +139,10 @@ export class Selection {
     const speed = sample.velocities.slice(6 * this.body, 6 * this.body + 3);
     const rows: [string, string][] = [
       ["Position", `${numbers(sample.poses.slice(at, at + 3))} m`],
-      ["Orientation", numbers(sample.poses.slice(at + 3, at + 7))],
       ["Speed", `${formatInRange(Math.hypot(...speed), 0, 5, "m/s")} m/s`],
-      ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
       ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
+      ["Turn w x y z", numbers(sample.poses.slice(at + 3, at + 7))],
+      ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
     if (!description.fixed && this.link.mayChangeWorld) rows.push(["Pull", matchMedia("(pointer: coarse)").matches ? "press long, then drag" : "Ctrl and drag"]);
