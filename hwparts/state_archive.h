@@ -33,11 +33,38 @@ class StateWriter {
     if (!values.empty()) append(values.data(), values.size_bytes());
   }
 
+  // Saves many fields in a row: `save` gets a Run to put them to. They take at most `most` bytes. That is one
+  // store for each field; through the writer itself each store waits for the one before.
+  class Run {
+   public:
+    explicit Run(std::byte* next) : next_(next) {}
+    template <typename T>
+    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+    [[gnu::always_inline]] void put(T value) {
+      std::memcpy(next_, &value, sizeof value);
+      next_ += sizeof value;
+    }
+
+   private:
+    friend StateWriter;
+    std::byte* next_;
+  };
+  template <typename Save>
+  void put_run(std::size_t most, Save save) {
+    make_room(most);
+    Run run(bytes_.data() + used_);
+    save(run);
+    used_ = static_cast<std::size_t>(run.next_ - bytes_.data());
+  }
+
  private:
-  // Always inlined: where a field's size is known this is one store, and a call would cost more.
-  [[gnu::always_inline]] void append(const void* from, std::size_t size) {
+  void make_room(std::size_t size) {
     if (bytes_.size() - used_ < size) [[unlikely]]
       bytes_.resize(2 * bytes_.size() + size);
+  }
+  // Always inlined: where a field's size is known this is one store, and a call would cost more.
+  [[gnu::always_inline]] void append(const void* from, std::size_t size) {
+    make_room(size);
     std::memcpy(bytes_.data() + used_, from, size);
     used_ += size;
   }

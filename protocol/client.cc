@@ -54,7 +54,6 @@ struct Connection::Impl {
   ClientInbox inbox_;
   Welcome welcome_;
   std::uint64_t last_id_ = 0;
-  std::chrono::nanoseconds spin_{0};
 };
 
 // ---------------------------------------- bytes
@@ -95,7 +94,7 @@ void Connection::Impl::flush() {
 
 bool Connection::Impl::receive(Deadline deadline) {
   if (!out_.empty()) flush();
-  const bool any = taken(explained([&] { return socket_.receive(in_.space(), deadline, spin_); }));
+  const bool any = taken(explained([&] { return socket_.receive(in_.space(), deadline); }));
   if (any && socket_.is_secure()) drain();
   return any;
 }
@@ -251,10 +250,6 @@ std::optional<Reply> Connection::next_kept() {
 
 int Connection::native_handle() const {
   return impl_->socket_.fd();
-}
-
-void Connection::set_spin(std::chrono::microseconds spin) {
-  impl_->spin_ = spin;
 }
 
 std::pair<std::string, std::uint16_t> parse_address(const std::string& text) {

@@ -86,8 +86,6 @@ class Connection {
   std::optional<Reply> next_kept();
 
   int native_handle() const;  // for poll()
-  // How long to poll the socket busily before blocking. 0 (the default) blocks at once.
-  void set_spin(std::chrono::microseconds spin);
 
  private:
   struct Impl;

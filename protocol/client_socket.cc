@@ -253,14 +253,11 @@ std::size_t ClientSocket::receive(std::span<std::byte> into) {
   return receive_with(into, MSG_DONTWAIT);
 }
 
-std::size_t ClientSocket::receive(std::span<std::byte> into, Deadline deadline,
-                                  std::chrono::nanoseconds spin) {
-  if (spin.count() > 0) {
-    const Deadline until = std::min(deadline, steady_clock::now() + spin);
-    do {
-      if (const std::size_t received = receive(into)) return received;
-    } while (steady_clock::now() < until);
-  }
+std::size_t ClientSocket::receive(std::span<std::byte> into, Deadline deadline) {
+  std::size_t at_once = 0;
+  const std::chrono::nanoseconds left =
+      deadline == kNever ? std::chrono::nanoseconds::max() : deadline - steady_clock::now();
+  if (busy_wait_.find([&] { return (at_once = receive(into)) > 0; }, left)) return at_once;
   while (deadline == kNever || deadline - steady_clock::now() >= kSlice)
     if (const std::size_t received = receive_with(into, 0)) return received;
   do {

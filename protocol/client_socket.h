@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/busy_wait.h"
 #include "protocol/tls.h"
 
 struct addrinfo;
@@ -40,9 +41,8 @@ class ClientSocket {
   bool wait_to_send(Deadline deadline) const;
   // Receives what is there, without waiting. Returns 0 if nothing is there yet.
   std::size_t receive(std::span<std::byte> into);
-  // Waits until something arrives. Returns 0 if the deadline passed. Polls busily for `spin` before it
-  // sleeps.
-  std::size_t receive(std::span<std::byte> into, Deadline deadline, std::chrono::nanoseconds spin);
+  // Waits until something arrives. Returns 0 if the deadline passed.
+  std::size_t receive(std::span<std::byte> into, Deadline deadline);
 
   // Tells the server that no more comes and waits up to 250 ms for it to close, so that nothing sent is lost.
   void finish() noexcept;
@@ -62,6 +62,7 @@ class ClientSocket {
   void check_tls() const;
 
   int fd_ = -1;
+  BusyWait busy_wait_;
   std::unique_ptr<TlsContext> context_;
   std::unique_ptr<TlsStream> tls_;   // null: plain text
   std::vector<std::byte> ciphered_;  // as received, when the connection uses TLS

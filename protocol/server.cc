@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "protocol/busy_wait.h"
 #include "protocol/codec.h"
 #include "protocol/http_door.h"
 #include "protocol/listener.h"
@@ -92,6 +93,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   enum class Held { kStay, kLeave };  // sessions that hold() their queue: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
+  bool wait(std::chrono::nanoseconds at_most);  // false: nothing came
   // Runs handlers. Where memory runs out within Asio or Beast, that costs the connection at hand.
   template <typename Run>
   std::size_t run_handlers(Run run);
@@ -127,6 +129,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   std::map<std::uint64_t, std::unique_ptr<WireSession>> sessions_;
   std::uint64_t next_id_ = 1;
   std::vector<WireSession*> woken_;
+  BusyWait busy_wait_;
   std::atomic<std::size_t> open_sessions_{0};
 };
 
@@ -322,6 +325,13 @@ std::size_t Server::Impl::run_handlers(Run run) {
   }
 }
 
+// Waits for the next event, and handles it.
+bool Server::Impl::wait(std::chrono::nanoseconds at_most) {
+  const auto is_there = [&] { return run_handlers([](auto& io) { return io.poll_one(); }) > 0; };
+  return busy_wait_.find(is_there, at_most) ||
+         run_handlers([&](auto& io) { return io.run_one_for(at_most); }) > 0;
+}
+
 // Bounded, so that no client can keep the caller here.
 bool Server::Impl::serve_ready() {
   bool any = false;
@@ -365,7 +375,7 @@ bool Server::poll() {
 void Server::poll_for(std::chrono::nanoseconds at_most) {
   impl_->settle();
   const bool waits = at_most.count() > 0;
-  if (waits && impl_->run_handlers([&](auto& io) { return io.run_one_for(at_most); }) == 0) return;
+  if (waits && !impl_->wait(at_most)) return;
   impl_->settle(Impl::Held::kStay);
   const bool others =
       !waits || impl_->sessions_.size() > 1 || (impl_->http_ && impl_->http_->connection_count() > 0);

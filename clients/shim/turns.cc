@@ -181,6 +181,11 @@ __attribute__((destructor)) void end_of_process() {
 
 }  // namespace
 
+// Tells the program's libraries that its clocks are ours (protocol/busy_wait.h).
+VISUM_EXPORT int visum_time_shim() {
+  return the_shared != nullptr;
+}
+
 Shared* shared() {
   return the_shared;
 }

@@ -61,7 +61,8 @@ DriveState initial_state(const DriveData& data, double position, bool homed) {
 }
 
 void save(const DriveState& state, hwparts::StateWriter& to) {
-  visit_fields(state, [&](const auto& field) { to.put(field); });
+  to.put_run(sizeof state,
+             [&](auto& run) { visit_fields(state, [&](const auto& field) { run.put(field); }); });
 }
 
 void load(DriveState& state, hwparts::StateReader& from) {

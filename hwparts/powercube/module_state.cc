@@ -41,7 +41,8 @@ ModuleState initial_state(const Settings& settings, const drive::DriveData& data
 }
 
 void save(const ModuleState& state, hwparts::StateWriter& to) {
-  visit_fields(state, [&](const auto& field) { to.put(field); });
+  to.put_run(sizeof state,
+             [&](auto& run) { visit_fields(state, [&](const auto& field) { run.put(field); }); });
 }
 
 void load(ModuleState& state, hwparts::StateReader& from) {

@@ -200,12 +200,6 @@ TEST_F(Client, WaitsForTheWorldWithoutALimit) {
   EXPECT_EQ(std::get<Advanced>(connection.wait(advance)).tick, 7);
 }
 
-TEST_F(Client, SpinningFindsTheSameAnswers) {
-  Connection connection = connect();
-  connection.set_spin(std::chrono::microseconds(50));
-  for (int i = 0; i < 100; ++i) connection.request_as<Ok>(Status{});
-}
-
 TEST_F(Client, LearnsWhyTheServerHungUp) {
   Connection connection = connect();
   try {

@@ -72,6 +72,8 @@ void Scheduler::await_quiet() {
     quiet_bell_ = memory_.bell.load();
     bool soon = false;
     if (is_quiet(soon)) return;
+    const auto rings = [&] { return memory_.bell.load() != quiet_bell_; };
+    if (!soon && busy_wait_.find(rings, std::chrono::nanoseconds(watch_ns))) continue;
     if (shim::futex_wait(memory_.bell, quiet_bell_, soon ? kSoon_ns : watch_ns) != ETIMEDOUT || soon)
       continue;
     const bool any_slept = watch();

@@ -14,6 +14,7 @@
 #include "clients/visum/exec/threads.h"
 #include "clients/visum/exec/time_channel.h"
 #include "clients/visum/exec/world_link.h"
+#include "protocol/busy_wait.h"
 
 namespace visum::exec {
 
@@ -98,6 +99,7 @@ class Scheduler {
   std::array<Watched, shim::kMostThreads> watched_{};
   std::optional<int> ended_;  // the program's status
   Clock::time_point ended_at_;
+  protocol::BusyWait busy_wait_;
   std::uint32_t quiet_bell_ = 0;  // the bell, when all waited
   shim::Slot* last_turn_ = nullptr;
   std::int64_t first_watch_ns_;       // after so long we look after the thread that has the turn
