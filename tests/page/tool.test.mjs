@@ -47,6 +47,25 @@ pageTest("the tool is jogged along axes, to typed coordinates, and stops at the 
   });
 }, flat);
 
+pageTest("a point of the tool stays where it is while the tool turns about it", async (page) => {
+  await openTool(page);
+  const hand = await place(page);
+  await page.getByLabel(/^z of the point that moves/).fill("0.15");
+  await page.getByLabel(/^z of the point that moves/).press("Tab");
+  await until(page, (z) => Math.abs(Number(document.querySelector('[aria-label^="z of the tool"]').value) - z) > 0.05, hand[2]);
+  const tip = await place(page);
+  assert.ok(Math.abs(Math.hypot(...tip.map((value, i) => value - hand[i])) - 0.15) < 1e-3, `${hand} to ${tip}`);
+  const before = await page.evaluate(() => visum.read("arm", "Actual Angle 2"));
+  await page.getByRole("combobox", { name: "Step" }).selectOption("10 mm · 5°");
+  await button(page, "Tool pitch more").click();
+  await until(page, (angle) => Math.abs(visum.read("arm", "Actual Angle 2") - angle) > 0.01, before);
+  await until(page, () => document.querySelector(".chip-words").textContent === "ready");
+  await arrives(page, tip);
+  await page.reload();
+  await page.getByRole("tab", { name: "Tool" }).click();
+  assert.equal(await page.getByLabel(/^z of the point that moves/).inputValue(), "0.15");
+}, flat);
+
 const chip = (page) => page.getByRole("status", { name: "State of arm" });
 const notice = (page) => page.locator(".tool-notice");
 

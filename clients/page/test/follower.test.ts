@@ -26,10 +26,17 @@ function watched(seconds: number, speed: number, actual: (timeS: number, command
 }
 
 test("an arm that follows with the delay of a ramp is not waited for, and arrives", () => {
-  const seen = watched(4, 0.5, (timeS) => Math.min(0.5 * Math.max(0, timeS - 0.2), 1));
+  const seen = watched(4, 0.5, (timeS) => Math.min(0.5 * Math.max(0, timeS - 0.1), 1));
   assert.ok(seen.every(({ far, held }) => !far && held === ""));
   assert.deepEqual(seen.map(({ there }) => there).lastIndexOf(false) * kTickS > 2, true);
   assert.ok(seen.at(-1)!.there);
+});
+
+test("a joint that does not move is commanded no farther than a drive's following error", () => {
+  const seen = watched(3, 0.3, () => 0);
+  const farFrom = seen.findIndex(({ far }) => far);
+  assert.ok(farFrom > 0 && 0.3 * farFrom * kTickS < 0.1, `${farFrom}`);
+  assert.ok(seen.slice(farFrom).every(({ far }) => far));
 });
 
 test("a slow arm is waited for, and is not said to be held", () => {

@@ -25,8 +25,9 @@ const kMaximumSpeed = /^Maximum .*Speed/;
 export class Arm {
   readonly part: Part;
 
-  // `base`: the body that carries the chain, empty for the world. `links`: from the base to the tool.
-  constructor(readonly tool: string, readonly base: string, readonly links: readonly Link[]) {
+  // `base`: the body that carries the chain, empty for the world. `links`: from the base to the tool. `point`:
+  // the point of the tool that moves, in its body's frame, m.
+  constructor(readonly tool: string, readonly base: string, readonly links: readonly Link[], readonly point: Vector) {
     this.part = links[0]!.port.part;
   }
 
@@ -80,10 +81,10 @@ export function bodyPose(sample: WorldSample, body: number): Pose {
 
 // The chain that carries `body`. Joints on the way that nothing drives stay where they are in `sample`. Null:
 // no driven joint carries it, or joints of two parts do.
-export function armOf(description: WorldDescription, sample: WorldSample, parts: Parts, body: string): Arm | null {
+export function armOf(description: WorldDescription, sample: WorldSample, parts: Parts, body: string, point: Vector): Arm | null {
   const index = (name: string) => description.bodies.findIndex((one) => one.name === name);
   const links: Link[] = [];
-  let rest = kIdentity; // of the undriven joints behind the last link
+  let rest: Pose = { ...kIdentity, position: point }; // of the point, and of the undriven joints behind the last link
   let at = body;
   for (let joint = carrier(description, at); joint; joint = carrier(description, at)) {
     const number = description.joints.indexOf(joint);
@@ -106,7 +107,7 @@ export function armOf(description: WorldDescription, sample: WorldSample, parts:
   if (links.length === 0 || new Set(links.map(({ port }) => port.part)).size > 1) return null;
   // Undriven joints lie between the base and the first driven one
   links[0] = { ...links[0]!, joint: { ...links[0]!.joint, frame: compose(rest, links[0]!.joint.frame) } };
-  return new Arm(body, at, links);
+  return new Arm(body, at, links, point);
 }
 
 const kMostJoints = 32;

@@ -4,7 +4,9 @@ import type { Arm } from "./arm";
 
 const kAheadS = 0.4; // a joint may be behind so long at the speed that it is commanded: a ramp takes some time,
 const kNearest = 0.02; // rad or m: so far in any case,
-const kSlowS = 0.3; // unless its Maximum Speed lets it move less in this time
+const kSlowS = 0.3; // unless its Maximum Speed lets it move less in this time,
+const kMostTurn = 0.08, kMostWay = 0.02; // rad, m: and so far at most, within the following error of a drive
+const kStuckS = 0.15; // of simulated time: after it nothing more is commanded to a joint that does not move
 const kThere = 0.002; // rad or m
 const kOff = 0.01; // rad or m: a joint that rests so far from where it should be is held by something
 const kStillS = 1; // of simulated time
@@ -19,6 +21,7 @@ export interface Behind {
 export class Follower {
   private since: { timeS: number; values: number[] } | null = null; // when the arm was last seen to move
   private last: { timeS: number; values: readonly number[] } | null = null; // as commanded last
+  private movedAt: { timeS: number; value: number }[] = []; // by joint: when and where it was last seen to move
   private speeds: number[]; // of what is commanded, the greatest of late
 
   constructor(private readonly arm: Arm) {
@@ -30,12 +33,13 @@ export class Follower {
     const actual = this.arm.actual();
     const off = commanded.map((value, i) => Math.abs(value - actual[i]!));
     this.learn(commanded, timeS);
+    this.watch(actual, timeS);
     const moved = !this.since || timeS < this.since.timeS || actual.some((value, i) => Math.abs(value - this.since!.values[i]!) > kProgress);
     if (moved) this.since = { timeS, values: actual };
     const stands = timeS - this.since!.timeS > kStillS;
     const worst = off.indexOf(Math.max(...off));
     return {
-      far: off.some((way, i) => way > this.nearest(i) + kAheadS * Math.min(this.speeds[i]!, this.fastest(i))),
+      far: off.some((way, i) => way > this.allowed(i, timeS)),
       there: off.every((way) => !(way > kThere)) || stands,
       held: stands && off[worst]! > kOff ? this.words(worst, off[worst]!) : "",
     };
@@ -56,8 +60,18 @@ export class Follower {
     return speed ? Math.max(0, speed.part.commanded(speed)) : Infinity;
   }
 
-  private nearest(joint: number): number {
-    return Math.min(kNearest, kThere / 2 + kSlowS * this.fastest(joint));
+  private allowed(joint: number, timeS: number): number {
+    const nearest = Math.min(kNearest, kThere / 2 + kSlowS * this.fastest(joint));
+    if (timeS - this.movedAt[joint]!.timeS > kStuckS) return nearest;
+    const most = this.arm.links[joint]!.joint.slides ? kMostWay : kMostTurn;
+    return Math.min(most, nearest + kAheadS * Math.min(this.speeds[joint]!, this.fastest(joint)));
+  }
+
+  private watch(actual: readonly number[], timeS: number): void {
+    actual.forEach((value, i) => {
+      const last = this.movedAt[i];
+      if (!last || timeS < last.timeS || Math.abs(value - last.value) > kThere) this.movedAt[i] = { timeS, value };
+    });
   }
 
   private words(joint: number, way: number): string {

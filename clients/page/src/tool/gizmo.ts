@@ -45,7 +45,7 @@ export class Gizmo {
     if (mode === "off" || !on || !body || this.controls.dragging) return;
     if (this.controls.mode !== mode) this.controls.setMode(mode);
     this.controls.setSpace(this.pane.inToolFrame ? "local" : "world");
-    this.place.position.copy(body.position);
+    this.place.position.set(...arm.point).applyQuaternion(body.quaternion).add(body.position);
     this.place.quaternion.copy(body.quaternion);
     this.place.updateMatrixWorld();
   }

@@ -1,6 +1,6 @@
 // The tab "Tool": where the tool is, coordinates to type, a jog by axes, and the poses that were taught.
 import { hindrance } from "../bar/part_state";
-import { toRpy, fromRpy, type Pose, type Vector } from "../kinematics/pose";
+import { compose, toRpy, fromRpy, type Pose, type Vector } from "../kinematics/pose";
 import { Signal } from "../common/signal";
 import type { Link } from "../link/link";
 import type { Parts } from "../model/parts";
@@ -18,6 +18,7 @@ const kSteps: [string, number][] = [["continuous", 0], ["0.1 mm · 0.1°", 0.000
 const kDegrees: Record<number, number> = { 0.0001: 0.1, 0.001: 1, 0.01: 5, 0.05: 15 };
 const kHeldAheadS = 0.25; // a held button aims so far ahead, and stops so soon
 const kHoldMs = 50;
+const kPointKept = "visum.point.";
 const kDegree = Math.PI / 180;
 
 export class ToolPane {
@@ -26,6 +27,7 @@ export class ToolPane {
   readonly element = h("section", { class: "tool", "aria-label": "Tool" });
   readonly handles = h("select", { "aria-label": "Handles in the view" }, h("option", { value: "translate" }, "move"), h("option", { value: "rotate" }, "turn"), h("option", { value: "off" }, "none"));
   private readonly choice = h("select", { "aria-label": "Body that is moved" });
+  private readonly point = ["x", "y", "z"].map((axis) => h("input", { type: "number", step: 0.001, value: "0", "aria-label": `${axis} of the point that moves, in the body's frame, m`, title: "The point that moves, in the body's frame, m" }));
   private readonly frame = h("select", { "aria-label": "Frame" }, ...kFrames.map((name) => h("option", { value: name }, name)));
   private readonly step = h("select", { "aria-label": "Step" }, ...kSteps.map(([name, value]) => h("option", { value, selected: value === 0.01 }, name)));
   private readonly take = h("button", { type: "button", class: "primary take" });
@@ -42,10 +44,11 @@ export class ToolPane {
     this.teach = new TeachView(world, this.arm, mover);
     const rows = kAxes.map((axis, i) => h("div", { class: "jog-row" }, h("span", { class: "jog-axis" }, axis), jogs[2 * i]!, this.fields[i]!, h("span", { class: "unit" }, i < 3 ? "m" : "°"), jogs[2 * i + 1]!));
     this.element.append(
-      h("div", { class: "tool-choices" }, field("Moves", this.choice), field("Frame", this.frame), field("Step", this.step), field("Handles", this.handles)),
+      h("div", { class: "tool-choices" }, field("Moves", this.choice), h("div", { class: "field tool-point", role: "group", "aria-label": "Point that moves" }, h("span", {}, "its point"), ...this.point), field("Frame", this.frame), field("Step", this.step), field("Handles", this.handles)),
       h("div", { class: "jog-rows", role: "group", "aria-label": "Coordinates of the tool" }, ...rows, h("p", { class: "jog-hint" }, "Type a coordinate and press Enter: the tool moves there.")),
       h("div", { class: "tool-notice", role: "status" }, this.notice, this.hurry), this.take, this.teach.element);
     this.choice.addEventListener("change", () => this.use(this.choice.value));
+    for (const input of this.point) input.addEventListener("change", () => this.movePoint());
     this.take.addEventListener("click", () => void this.arm.value?.part.acquire().catch(reportError));
     mover.stopped.on((why) => report(`The tool stops: ${why}`, "error"));
     // A description comes before the poses that belong to it
@@ -85,11 +88,27 @@ export class ToolPane {
     this.use(bodies.includes(before) ? before : (bodies[0] ?? ""));
   }
 
+  // The browser keeps the point for each body of a scene.
+  private get pointKey(): string {
+    return `${kPointKept}${this.world.description.value?.scene ?? ""}.${this.choice.value}`;
+  }
+  private get keptPoint(): Vector {
+    const numbers = (localStorage.getItem(this.pointKey) ?? "").split(" ").map(Number);
+    return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as Vector) : [0, 0, 0];
+  }
+
+  private movePoint(): void {
+    localStorage.setItem(this.pointKey, this.point.map((input) => input.valueAsNumber || 0).join(" "));
+    this.use(this.choice.value);
+  }
+
   private use(body: string): void {
     const { sample } = this.world;
     const description = this.world.description.value;
     this.choice.value = body;
-    const arm = description && sample && body !== "" ? armOf(description, sample, this.parts, body) : null;
+    const point = this.keptPoint;
+    this.point.forEach((input, i) => (input.value = String(point[i])));
+    const arm = description && sample && body !== "" ? armOf(description, sample, this.parts, body, point) : null;
     this.mover.use(arm);
     this.arm.value = arm;
   }
@@ -174,7 +193,8 @@ export class ToolPane {
 
   // Where the tool is, by the world itself, in the base's frame.
   private actual(arm: Arm): Pose {
-    return fromFrame(bodyPose(this.world.sample!, this.world.bodyIndex(arm.tool)), this.basePose(), "world");
+    const point: Pose = { position: arm.point, orientation: [1, 0, 0, 0] };
+    return fromFrame(compose(bodyPose(this.world.sample!, this.world.bodyIndex(arm.tool)), point), this.basePose(), "world");
   }
 }
 
