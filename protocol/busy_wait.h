@@ -1,8 +1,8 @@
 // A wait that looks again and again for a moment before it sleeps. Where a processor has gone idle, waking it
 // takes tens of microseconds, more than a controller needs for its answer in lockstep. Looking helps only if
-// the other side runs meanwhile on another processor. So a wait sleeps at once for a while after it has looked
-// in vain, and for longer where other threads want the processor; never does it look with one processor, or
-// under the time shim, whose clock stands while one looks.
+// the other side runs meanwhile on another processor. So a wait sleeps at once for a while after it has
+// looked in vain, and for longer where other threads want the processor; never does it look with one
+// processor, or under the time shim, whose clock stands while one looks.
 //
 // Used on one thread at a time. Allocates nothing.
 #pragma once

@@ -12,11 +12,20 @@ namespace {
 constexpr std::uint32_t kFaults = state_bit::kTowError | state_bit::kCommError | state_bit::kBeyondSoft |
                                   state_bit::kBeyondHard | state_bit::kPowerStage;
 
-// Three significant digits.
-std::string shown(double value) {
+// Significant digits.
+constexpr int kDigits = 3, kMostDigits = 6;
+
+std::string shown(double value, int digits = kDigits) {
   if (value == 0.0 || !std::isfinite(value)) return "0";
-  const double scale = std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
+  const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
   return config::number_text(std::round(value * scale) / scale);
+}
+
+// With as many digits as tell it from the limit that it is above.
+std::string shown_above(double value, double limit) {
+  int digits = kDigits;
+  while (digits < kMostDigits && shown(value, digits) == shown(limit, digits)) ++digits;
+  return shown(value, digits);
 }
 
 std::string beyond(const char* which, double position, double target, double minimum, double maximum,
@@ -38,6 +47,7 @@ Trip figures_of(const DriveState& state) {
           state.measured_position,
           state.commanded,
           state.i2t,
+          0.0,
           state.winding,
           state.tuning};
 }
@@ -48,8 +58,9 @@ std::string trip_text(const DriveData& data, const Trip& trip) {
   const auto add = [&](std::uint32_t bit, const std::string& why) {
     if ((trip.bits & bit) != 0) text += (text.empty() ? "" : ". Also: ") + why;
   };
-  add(state_bit::kTowError, "following error " + shown(std::abs(trip.lag)) + unit + " exceeds " +
-                                shown(trip.tuning.following_error) + unit +
+  add(state_bit::kTowError, "following error " +
+                                shown_above(std::abs(trip.lag), trip.tuning.following_error) + unit +
+                                " exceeds " + shown(trip.tuning.following_error) + unit +
                                 "; look for what holds the joint or overloads it, move slower or accelerate "
                                 "less, raise the gains or "
                                 "Following Error Limit, then Reset");
@@ -65,8 +76,9 @@ std::string trip_text(const DriveData& data, const Trip& trip) {
       "its current was above " + shown(data.motor.nominal_current) + " A for too long (" + shown(trip.i2t) +
           " of " + shown(i2t_budget(data.motor)) +
           " A²s); look for what it pushes against, lessen the load or the acceleration, or take a stronger "
-          "motor; switch the supply off and on, wait " +
-          shown(std::ceil(i2t_rest(data.motor, trip.i2t))) + " s, then Reset");
+          "motor; switch the supply off and on, " +
+          (trip.rest_s > 0.0 ? "wait " + shown(std::ceil(trip.rest_s)) + " s, " : std::string()) +
+          "then Reset");
   add(state_bit::kFetTemp,
       "winding at " + shown(trip.winding) + " °C exceeds " + shown(data.motor.maximum_winding) +
           " °C; lessen the load or let it cool, or take a stronger motor; switch the supply off and on, then "

@@ -15,6 +15,7 @@ struct Trip {
   double position = 0.0;   // [u], measured
   double target = 0.0;     // [u], of the ports
   double i2t = 0.0;        // A²s
+  double rest_s = 0.0;     // without current, until it has lessened enough for Reset
   double winding = 0.0;    // °C
   Tuning tuning;           // limits and supply as they were
 };

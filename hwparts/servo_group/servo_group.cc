@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hwparts/drive/motor.h"
 #include "hwparts/drive/state_word.h"
 #include "hwparts/drive/supervision.h"
 #include "hwparts/sensors/random.h"
@@ -211,6 +212,8 @@ std::string ServoGroup::trip_text(std::uint64_t since) const {
       trip = drive::figures_of(state);
       trip.bits = state.latched;
     }
+    trip.bits &= state.latched;  // what a Reset has cleared is over
+    trip.rest_s = drive::i2t_rest(axis.drive.data().motor, state.i2t);
     const std::string why = drive::trip_text(axis.drive.data(), trip);
     const bool all_lost =
         trip.bits == bit::kCommError && text.empty() && axes_.size() > 1 &&

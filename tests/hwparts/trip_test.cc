@@ -110,7 +110,12 @@ TEST(Trip, EveryFaultHasItsNumbers) {
   trip.i2t = 1e4;
   EXPECT_THAT(text(bit::kFetTemp), StartsWith("winding at 131 °C exceeds 120 °C; "));
   EXPECT_THAT(text(bit::kIntegralErr), StartsWith("its current was above 5.7 A for too long (10000 of "));
-  EXPECT_THAT(text(bit::kIntegralErr), HasSubstr("switch the supply off and on, wait 290 s, then Reset"));
+  EXPECT_THAT(text(bit::kIntegralErr), HasSubstr("switch the supply off and on, then Reset"));
+  trip.rest_s = 17.2;
+  EXPECT_THAT(text(bit::kIntegralErr), HasSubstr("switch the supply off and on, wait 18 s, then Reset"));
+  trip.lag = 0.3001;
+  trip.tuning.following_error = 0.3;
+  EXPECT_THAT(text(bit::kTowError), StartsWith("following error 0.3001 rad exceeds 0.3 rad"));
   EXPECT_THAT(text(bit::kBeyondSoft), HasSubstr("beyond a soft limit, -3.09 to 3.09 rad"));
   EXPECT_THAT(text(bit::kBeyondHard), HasSubstr("beyond a hard limit, -3.14 to 3.14 rad"));
   EXPECT_THAT(text(bit::kBeyondHard | bit::kTowError), HasSubstr(". Also: "));

@@ -15,5 +15,7 @@ test("an event matches where its group, its level and all words do", () => {
 
 test("a kind that this page does not know is in a group, too", () => {
   assert.equal(groupOf("from_a_later_server"), "other");
+  assert.equal(groupOf("log", "'arm' has tripped: joint_2: following error 0.31 rad exceeds 0.3 rad"), "faults");
+  assert.equal(groupOf("log", "something else"), "lines");
   assert.ok(kGroupNames.includes("other"));
 });

@@ -1,7 +1,7 @@
 // The keys of the page, on "?", and the first steps for a first visit.
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
-import { kDesired } from "../model/soft_limits";
+import { kDesired } from "../model/desired";
 import { h } from "../ui/dom";
 
 const kKeys: [string, string][] = [
@@ -38,7 +38,7 @@ export function firstSteps(parts: Parts): HTMLElement | null {
   return element;
 }
 
-// What there is to do in a world with these parts.
+// The steps fit a world with these parts.
 function stepsFor(list: readonly Part[]): string[] {
   const has = (test: (port: Port) => boolean) => list.some(({ ports }) => ports.some(test));
   const hasTool = has(({ description }) => kDesired.test(description.group));

@@ -6,14 +6,17 @@ import { inWords } from "../ui/numbers";
 import { toneOf, type Tone } from "../ui/tone";
 import type { Part, Port } from "../model/part";
 import { poll } from "../model/poll";
+import { actualOf, kDesired } from "../model/desired";
 import { Signal } from "../common/signal";
 
 export const kEmergencyStop = "Emergency Stop";
 const kTripped = "Tripped"; // protocol/part_description.h
 const kPeriodMs = 700;
 const kWithinS = 0.3; // of simulated time: so soon a part acts on what it is told,
+const kNear: Record<string, number> = { rad: 0.01, m: 0.001 };
 const kWithinMs = 5000; // and so long the page waits for that
-const kHinders = ["fault", "controller lost", "halted", "disabled"]; // states in which nothing moves on command
+// States in which nothing moves on command
+const kHinders = ["fault", "controller lost", "halted", "disabled"];
 // Faults of the power stage, which end only after the supply was off (hwparts/README.md)
 const kPowerStage = /\b(INTEGRALERR|FET_TEMP)\b/;
 const kSupplyOff = /\bPOW_VOLT_ERR\b/;
@@ -43,13 +46,14 @@ export function stateWords(part: Part): string {
 // Why a part does not move on command now; empty: it does.
 export function hindrance(part: Part): string {
   const words = stateWords(part);
-  return kHinders.includes(words) ? `${part.name} is ${words === "fault" ? "in fault" : words}; see the bar above` : "";
+  const named = words !== "fault" ? words : anyDrive(part, kSupplyOff) ? "without supply, as after Stop" : "in fault";
+  return kHinders.includes(words) ? `${part.name} is ${named}; see the bar above` : "";
 }
 
 const statePort = (part: Part): Port | undefined =>
   part.ports.find(({ side, description }) => side === "output" && description.name === "Part State" && description.values.length > 0);
 
-// Whether a drive of a part is in one of these states.
+// True if any drive of the part is in one of these states.
 const anyDrive = (part: Part, expression: RegExp): boolean =>
   part.ports.some((port) => port.side === "output" && port.description.bits.length > 0 && expression.test(inWords(port.description, part.value(port))));
 
@@ -80,7 +84,7 @@ export class PartWatch {
     return this.part.port(kWayOut[words]?.port ?? "");
   }
 
-  // Whether only switching the supply off and on lets Reset end the present state.
+  // True if Reset ends the present state only after the supply was off.
   get needsSupplyOff(): boolean {
     return this.state.value.words === "fault" && this.hasStop && anyDrive(this.part, kPowerStage);
   }
@@ -91,10 +95,13 @@ export class PartWatch {
     const { wayOut, part } = this;
     if (!wayOut) return;
     if (this.needsSupplyOff) await this.switchSupply();
+    const resets = wayOut.description.name === "Reset";
+    if (resets) await letGo(part);
     const { words } = this.state.value;
     const isSwitch = wayOut.description.maximum === 1;
     await part.write(wayOut, isSwitch ? 1 : part.commanded(wayOut) + 1);
-    if (wayOut.description.name !== "Reset" || (await this.comes(() => stateWords(part) !== words))) return;
+    if (!resets || (await this.comes(() => stateWords(part) !== words))) return;
+    await this.ask(); // how long to wait may have changed
     throw new Error(`${part.name}: Reset did not end the ${words}. ${this.state.value.reason}`);
   }
 
@@ -153,6 +160,15 @@ export function reasonOf(words: string, tripped: string): string {
   const way = kWayOut[words]?.text ?? "";
   const why = tripped.split("\n").filter(Boolean).join("; ");
   return why === "" ? way : why;
+}
+
+// Gives up what was commanded before a fault: a part that shows "ready" is where it is commanded.
+async function letGo(part: Part): Promise<void> {
+  for (const port of part.ports.filter(({ side, description }) => side === "input" && kDesired.test(description.group))) {
+    const actual = part.port(actualOf(port.description.name));
+    const value = actual ? part.value(actual) : NaN;
+    if (Math.abs(part.commanded(port) - value) > (kNear[port.description.unit] ?? Infinity)) await part.write(port, value);
+  }
 }
 
 function textOf(parameters: readonly ParameterDescription[], wanted: string): string {

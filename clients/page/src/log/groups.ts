@@ -10,7 +10,11 @@ const kGroups = {
 } as const;
 export const kGroupNames = [...Object.keys(kGroups), "other"];
 
-export function groupOf(kind: string): string {
+// A drive that trips says so in the server's log (server/gateway/tick_side.cc).
+const kTripped = /^'.*' has tripped: /;
+
+export function groupOf(kind: string, text = ""): string {
+  if (kind === "log" && kTripped.test(text)) return "faults";
   return Object.entries(kGroups).find(([, kinds]) => (kinds as readonly string[]).includes(kind))?.[0] ?? "other";
 }
 
@@ -23,5 +27,5 @@ export interface Filter {
 export function matches({ kind, text, source, level }: Pick<Happening, "kind" | "text" | "source" | "level">, filter: Filter): boolean {
   const all = `${kind} ${source} ${text}`.toLowerCase();
   const words = filter.words.toLowerCase().split(/\s+/).filter(Boolean);
-  return level >= filter.level && (filter.group === "" || groupOf(kind) === filter.group) && words.every((word) => all.includes(word));
+  return level >= filter.level && (filter.group === "" || groupOf(kind, text) === filter.group) && words.every((word) => all.includes(word));
 }

@@ -34,7 +34,7 @@ export class Ruler {
       const mark = this.marks.children[i] as HTMLButtonElement;
       mark.style.left = `${(100 * at).toFixed(3)}%`;
       if (mark.dataset["event"] === String(event.number)) return;
-      Object.assign(mark.dataset, { event: event.number, level: levelName(event.level), group: groupOf(event.kind) });
+      Object.assign(mark.dataset, { event: event.number, level: levelName(event.level), group: groupOf(event.kind, event.text) });
       mark.title = `${formatTime(event.timeS)} ${event.kind}: ${event.text}`;
       mark.setAttribute("aria-label", mark.title);
       mark.onclick = () => this.chosen(event);

@@ -1,6 +1,7 @@
 // The limits that a drive's own software keeps (parameters "Soft Limit Minimum 1", ...), by the name of the
 // input that they bound. A command beyond them trips the drive, though the port takes it. Pure.
 import type { ParameterDescription, PartDescription } from "../link/messages";
+import { kDesired } from "./desired";
 
 export interface Limits {
   minimum: number;
@@ -10,9 +11,6 @@ export interface Limits {
 interface DriveLimits extends Limits {
   unit: string;
 }
-
-// The groups of inputs that are desired positions.
-export const kDesired = /^Desired (Angle|.*Position)$/;
 
 // Drives and desired positions of one unit have the same order. One drive with several positions moves them
 // alike, and its limits count for their sum. An input whose drive is not clear has no limits here.

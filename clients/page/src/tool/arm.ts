@@ -6,9 +6,8 @@ import type { JointDescription, WorldDescription, WorldSample } from "../link/me
 import { neighbours } from "../model/neighbours";
 import type { Part, Port } from "../model/part";
 import type { Parts } from "../model/parts";
-import { kDesired } from "../model/soft_limits";
+import { actualOf, kDesired } from "../model/desired";
 import { portsOfJoint } from "../view3d/driving_ports";
-import { actualOf } from "./teach";
 
 const kFinest = 1e9; // parts of a radian or metre that are commanded: 1e-17 is no number to show
 const kSlow = 0.1; // of the drive's own maximum speed
@@ -25,8 +24,8 @@ const kMaximumSpeed = /^Maximum .*Speed/;
 export class Arm {
   readonly part: Part;
 
-  // `base`: the body that carries the chain, empty for the world. `links`: from the base to the tool. `point`:
-  // the point of the tool that moves, in its body's frame, m.
+  // `base`: the body that carries the chain, empty for the world. `links`: from the base to the tool.
+  // `point`: the point of the tool that moves, in its body's frame, m.
   constructor(readonly tool: string, readonly base: string, readonly links: readonly Link[], readonly point: Vector) {
     this.part = links[0]!.port.part;
   }
@@ -84,7 +83,7 @@ export function bodyPose(sample: WorldSample, body: number): Pose {
 export function armOf(description: WorldDescription, sample: WorldSample, parts: Parts, body: string, point: Vector): Arm | null {
   const index = (name: string) => description.bodies.findIndex((one) => one.name === name);
   const links: Link[] = [];
-  let rest: Pose = { ...kIdentity, position: point }; // of the point, and of the undriven joints behind the last link
+  let rest: Pose = { ...kIdentity, position: point }; // and of the undriven joints behind the last link
   let at = body;
   for (let joint = carrier(description, at); joint; joint = carrier(description, at)) {
     const number = description.joints.indexOf(joint);

@@ -2,10 +2,10 @@
 import { inDegrees } from "../ui/numbers";
 import type { Arm } from "./arm";
 
-const kAheadS = 0.4; // a joint may be behind so long at the speed that it is commanded: a ramp takes some time,
+const kAheadS = 0.4; // a joint may be behind so long at the speed that it is commanded, as a ramp takes time,
 const kNearest = 0.02; // rad or m: so far in any case,
 const kSlowS = 0.3; // unless its Maximum Speed lets it move less in this time,
-const kMostTurn = 0.08, kMostWay = 0.02; // rad, m: and so far at most, within the following error of a drive
+const kMostTurn = 0.08, kMostWay = 0.02; // rad, m: and so far at most, within a following error
 const kStuckS = 0.15; // of simulated time: after it nothing more is commanded to a joint that does not move
 const kThere = 0.002; // rad or m
 const kOff = 0.01; // rad or m: a joint that rests so far from where it should be is held by something
@@ -21,7 +21,7 @@ export interface Behind {
 export class Follower {
   private since: { timeS: number; values: number[] } | null = null; // when the arm was last seen to move
   private last: { timeS: number; values: readonly number[] } | null = null; // as commanded last
-  private movedAt: { timeS: number; value: number }[] = []; // by joint: when and where it was last seen to move
+  private movedAt: { timeS: number; value: number }[] = []; // by joint, when it was seen to move
   private speeds: number[]; // of what is commanded, the greatest of late
 
   constructor(private readonly arm: Arm) {

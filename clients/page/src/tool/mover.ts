@@ -1,6 +1,7 @@
 // Brings the tool to a goal along a straight line, at a bounded speed. It commands joints every few
-// milliseconds, from the joint values that were commanded last, so that the arm stays near them. Where the arm
-// falls behind, it waits: a slow arm stays on its line, and what is in the way is not pressed ever harder.
+// milliseconds, from the joint values that were commanded last, so that the arm stays near them. Where the
+// arm falls behind, it waits: a slow arm stays on its line, and what is in the way is not pressed ever
+// harder.
 import { hindrance } from "../bar/part_state";
 import { type Pose, add, aboutAxis, length, multiply, rotationBetween, scale, subtract } from "../kinematics/pose";
 import { Emitter } from "../common/signal";
@@ -52,7 +53,7 @@ export class Mover {
     if (this.timer === 0) this.timer = window.setInterval(() => void this.step(follow), kPeriodMs);
   }
 
-  // What was commanded, unless the arm is elsewhere, as after a fault.
+  // Begins at what was commanded, unless the arm is elsewhere, as after a fault.
   private start(arm: Arm): { pose: Pose; values: number[] } {
     const [commanded, actual] = [arm.commanded(), arm.actual()];
     const isElsewhere = commanded.some((value, i) => Math.abs(value - actual[i]!) > kElsewhere);

@@ -33,6 +33,7 @@ export class ToolPane {
   private readonly take = h("button", { type: "button", class: "primary take" });
   private readonly fields: HTMLInputElement[];
   private readonly controls: (HTMLInputElement | HTMLButtonElement)[];
+  private typing: HTMLInputElement | null = null; // the field that a user is at; the others follow the tool
   private readonly notice = h("span", {});
   private readonly hurry = h("button", { type: "button", class: "small", onclick: () => void this.arm.value?.hurry().catch(reportError) }, "Full speed");
   private readonly teach: TeachView;
@@ -115,6 +116,8 @@ export class ToolPane {
 
   private field(axis: string, index: number): HTMLInputElement {
     const input = h("input", { type: "number", step: "any", "aria-label": `${axis} of the tool, ${index < 3 ? "m" : "degrees"}` });
+    input.addEventListener("input", () => (this.typing = input));
+    for (const end of ["change", "blur"]) input.addEventListener(end, () => (this.typing = null));
     input.addEventListener("change", () => Number.isFinite(input.valueAsNumber) && this.goTyped(index, input.valueAsNumber));
     return input;
   }
@@ -178,7 +181,7 @@ export class ToolPane {
     this.teach.enable(usable);
     const numbers = this.coordinates(this.actual(arm));
     this.fields.forEach((input, i) => {
-      if (document.activeElement !== input) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
+      if (this.typing !== input) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
     });
   }
 

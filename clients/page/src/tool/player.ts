@@ -2,7 +2,8 @@
 import { Signal } from "../common/signal";
 import { neighbours } from "../model/neighbours";
 import type { Part, Port } from "../model/part";
-import { actualOf, type TaughtPose } from "./teach";
+import { actualOf } from "../model/desired";
+import type { TaughtPose } from "./teach";
 
 const kPollMs = 50;
 const kLongestS = 60; // of simulated time for one pose

@@ -1,4 +1,5 @@
 // Poses that a user has taught: what they are, how they are kept, and what they become as a program. Pure.
+import { actualOf } from "../model/desired";
 
 export interface TaughtPose {
   name: string;
@@ -55,8 +56,6 @@ export function moved(poses: readonly TaughtPose[], index: number, by: number): 
 }
 
 // The port that tells what becomes of an input: "Actual Angle 1" of "Desired Angle 1".
-export const actualOf = (port: string): string => port.replace(/^Desired /, "Actual ");
-
 const python = (value: unknown): string => JSON.stringify(value); // texts and numbers are written alike
 const yaml = (text: string): string => JSON.stringify(text);
 

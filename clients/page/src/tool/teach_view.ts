@@ -1,7 +1,7 @@
 // The list of taught poses: save, order, go to, play, loop, export. The browser keeps it for each scene.
 import type { Signal } from "../common/signal";
 import type { Part } from "../model/part";
-import { kDesired } from "../model/soft_limits";
+import { kDesired } from "../model/desired";
 import type { World } from "../model/world";
 import { h, iconButton, setText } from "../ui/dom";
 import { download } from "../ui/files";

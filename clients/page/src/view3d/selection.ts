@@ -25,7 +25,8 @@ export class Selection {
   private readonly title = h("h2", {});
   private readonly facts = h("dl", {});
   private readonly card: HTMLElement;
-  private readonly more = h("button", { type: "button", class: "small more", "aria-expanded": "false" }, "More"); // in a narrow view
+  // In a narrow view
+  private readonly more = h("button", { type: "button", class: "small more", "aria-expanded": "false" }, "More");
   private readonly follow = h("button", { type: "button", class: "small", "aria-pressed": "false" }, "Follow");
 
   constructor(private readonly viewer: Viewer, private readonly world: World, private readonly parts: Parts, private readonly link: Link, clock: Clock, container: HTMLElement) {
@@ -85,7 +86,7 @@ export class Selection {
     });
   }
 
-  // Of the view. In a narrow one the card lies in the other half, so as not to hide its body.
+  // In a narrow view the card lies in the other half, so as not to hide its body.
   private isInUpperHalf(): boolean {
     const group = this.viewer.bodies.groups[this.body];
     const at = group && this.viewer.toPixels(group.getWorldPosition(new Vector3()));
