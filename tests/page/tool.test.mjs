@@ -107,6 +107,9 @@ pageTest("in a fault the tool takes nothing; a switched-off drive gets its suppl
   await end.waitFor();
   await until(page, () => /arm is in fault; see the bar above/.test(document.querySelector(".tool-notice").textContent));
   assert.ok(await field(page, "x").isDisabled());
+  await button(page, "Log").click();
+  await page.getByRole("combobox", { name: "Kind of event" }).selectOption("faults");
+  await page.locator(".log-line", { hasText: "'arm' has tripped: joint_2: " }).first().waitFor();
   assert.match(await chip(page).locator(".chip-reason").textContent(), /switch the supply off and on, wait \d+ s, then Reset/);
   await end.click();
   await page.getByText(/arm: Reset did not end the fault\. joint_2: /).waitFor();
@@ -115,7 +118,7 @@ pageTest("in a fault the tool takes nothing; a switched-off drive gets its suppl
   await end.click();
   await until(page, () => document.querySelector(".chip-words").textContent === "ready");
   await until(page, () => !document.querySelector('[aria-label="Tool z more"]').disabled);
-}, flat);
+}, { ...flat, daemon: ["-v", "2"] });
 
 pageTest("the tool is dragged by its handles in the view, and the arm follows", async (page) => {
   await openTool(page);

@@ -1,7 +1,7 @@
 // The state of a part in words: from its port "Part State", and, where it is in fault, from its parameters,
 // which say why. Parts without such a port have no words.
 import type { Link } from "../link/link";
-import type { ParameterDescription } from "../link/messages";
+import type { ParameterDescription, ParameterValue } from "../link/messages";
 import { inWords } from "../ui/numbers";
 import { toneOf, type Tone } from "../ui/tone";
 import type { Part, Port } from "../model/part";
@@ -11,10 +11,11 @@ import { Signal } from "../common/signal";
 
 export const kEmergencyStop = "Emergency Stop";
 const kTripped = "Tripped"; // protocol/part_description.h
+const kSupply = "Supply Voltage"; // hwparts/servo_group/parameters.cc
 const kPeriodMs = 700;
 const kWithinS = 0.3; // of simulated time: so soon a part acts on what it is told,
-const kNear: Record<string, number> = { rad: 0.01, m: 0.001 };
 const kWithinMs = 5000; // and so long the page waits for that
+const kNear: Record<string, number> = { rad: 0.01, m: 0.001 }; // a drive is where it is commanded
 // States in which nothing moves on command
 const kHinders = ["fault", "controller lost", "halted", "disabled"];
 // Faults of the power stage, which end only after the supply was off (hwparts/README.md)
@@ -75,7 +76,11 @@ export class PartWatch {
   }
 
   get hasStop(): boolean {
-    return this.part.description.parameters.some(({ name }) => name === kEmergencyStop);
+    return this.has(kEmergencyStop);
+  }
+
+  private has(parameter: string): boolean {
+    return this.part.description.parameters.some(({ name }) => name === parameter);
   }
 
   // The input that ends the present state; undefined: there is none.
@@ -84,9 +89,10 @@ export class PartWatch {
     return this.part.port(kWayOut[words]?.port ?? "");
   }
 
-  // True if Reset ends the present state only after the supply was off.
+  // True if Reset ends the present state only after the supply was off, which this page can switch. At a real
+  // part a hand does that.
   get needsSupplyOff(): boolean {
-    return this.state.value.words === "fault" && this.hasStop && anyDrive(this.part, kPowerStage);
+    return this.state.value.words === "fault" && this.has(kSupply) && anyDrive(this.part, kPowerStage);
   }
 
   // Ends the present state by its input, which the page may write. Throws where that did not help, with the
@@ -105,11 +111,14 @@ export class PartWatch {
     throw new Error(`${part.name}: Reset did not end the ${words}. ${this.state.value.reason}`);
   }
 
-  // The emergency stop takes the supply from all drives.
+  // Not by the emergency stop, which somebody else may press meanwhile.
   private async switchSupply(): Promise<void> {
-    await this.press(true);
+    const { parameters } = await this.link.request({ case: "getParameters", value: { part: this.part.name } }, "parameters");
+    const before = parameters.find(({ name }) => name === kSupply)?.value;
+    if (!before) return;
+    await this.set(kSupply, { case: "number", value: 0 });
     const off = await this.comes(() => anyDrive(this.part, kSupplyOff));
-    await this.press(false);
+    await this.set(kSupply, before.value);
     if (!off) throw new Error(`The supply of ${this.part.name} was not seen off; let the world run, and try again`);
   }
 
@@ -125,10 +134,13 @@ export class PartWatch {
   }
 
   async press(on: boolean): Promise<void> {
-    const value = { value: { case: "flag", value: on } } as const;
-    await this.link.request({ case: "setParameter", value: { part: this.part.name, name: kEmergencyStop, value } }, "ok");
+    await this.set(kEmergencyStop, { case: "flag", value: on });
     this.stopped = on;
     this.show();
+  }
+
+  private async set(name: string, value: ParameterValue["value"]): Promise<void> {
+    await this.link.request({ case: "setParameter", value: { part: this.part.name, name, value: { value } } }, "ok");
   }
 
   // Parameters say more than ports do, but cost more. They are asked for only while something is wrong.

@@ -142,7 +142,7 @@ export class Selection {
       ["Position", `${numbers(sample.poses.slice(at, at + 3))} m`],
       ["Speed", `${formatInRange(Math.hypot(...speed), 0, 5, "m/s")} m/s`],
       ["Contact force", `${formatInRange(sample.peakContactForces[this.body] ?? 0, 0, 200, "N")} N`],
-      ["Turn w x y z", numbers(sample.poses.slice(at + 3, at + 7))],
+      ["Orientation", `${numbers(sample.poses.slice(at + 3, at + 7))} (w x y z)`],
       ["Mass", description.fixed ? "stands still" : `${formatValue(description.massKg, "kg")} kg`],
       ["Driven by", drivingPorts(this.world, this.parts, description.name).join("; ") || "nothing"],
     ];
