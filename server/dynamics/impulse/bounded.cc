@@ -43,8 +43,9 @@ constexpr int kMostSweeps = 200;
 constexpr int kGentleSweeps = 10;
 constexpr double kGentleSoftness = 1.0;  // share of the rows' free response
 constexpr double kEnough = 1e-11;        // m/s, rad/s that may be missing
-constexpr double kShare =
-    1e-7;  // share of what impulses change that may be missing; 0 for a hit, whose bounce is exact
+// Share of what impulses change that may be missing: of contacts between free bodies, and where mechanisms
+// take part, whose joints are closed to d_max only. 0 for a hit, whose bounce is exact.
+constexpr double kShare = 1e-7, kMechanismShare = 1e-6;
 // A contact with a body that another engine moves: its compliance in (m/s)/N, and the layer that is left
 // alone, m. The other body cannot give way in this engine's solution, so whatever it squeezes must. At 1 ms
 // the compliance is a spring of 2 MN/m. ODE leaves its own 10 µm alone.
@@ -288,7 +289,7 @@ double Bounded::solve_rows(Part& part) {
   load_velocities(part);
   for (std::size_t k = 0; k < part.block_count; ++k)
     before_[part.first_block + k] = part.rows.blocks[k].applied;
-  const double share = moment_ == kHit ? 0.0 : kShare;
+  const double share = moment_ == kHit ? 0.0 : part.rows.responses.empty() ? kShare : kMechanismShare;
   double missed = 0.0;
   try {
     missed = part.gently || apart_ ? part.by->sweep_gently(kGentleSweeps)
@@ -301,7 +302,7 @@ double Bounded::solve_rows(Part& part) {
   if (moment_ == kAfter)
     for (const std::size_t i : plant_.islands.touches(part.island))
       plant_.touches[i].rested = part.rows.rests;
-  store_velocities(part);
+  if (part.rows.changed) store_velocities(part);
   return missed;
 }
 

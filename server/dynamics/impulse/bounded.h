@@ -36,6 +36,8 @@ class Bounded {
   double solve(std::size_t island, std::size_t worker = 0);
   // True if no row of the island missed more than it may after the last solve().
   bool is_solved(std::size_t island) const { return parts_[island].rows.solved; }
+  // True if the last solve() has changed any velocity.
+  bool has_changed(std::size_t island) const { return parts_[island].rows.changed; }
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
   // and `w`. From now on, until the end of the step, the island's rows are softened and solved by a few
   // sweeps only.
@@ -89,6 +91,8 @@ class Bounded {
   void reset(Moment moment, double h);
   // Makes the rows of an island.
   void build(Part& part);
+  // True if nothing in the island is driven out of an overlap.
+  bool is_calm(std::size_t island) const;
   // True if anything in the island is hit hard enough to bounce.
   bool is_hit(std::size_t island) const;
   // Adds the three rows of a contact, and those of its twist.

@@ -23,6 +23,7 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 // The most steps of the rows' ways to the root, per body of the tree. With more, answers of the whole tree
 // cost less than comparing all ways.
 constexpr std::size_t kMostWaySteps = 60;
+constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are still driven apart
 
 }  // namespace
 
@@ -63,6 +64,11 @@ void Bounded::build(Moment moment, double h) {
     lay_out(part);
   }
   finish();
+}
+
+bool Bounded::is_calm(std::size_t island) const {
+  return std::ranges::all_of(plant_.islands.touches(island),
+                             [&](std::size_t i) { return plant_.touches[i].depth < kCalmM; });
 }
 
 bool Bounded::is_hit(std::size_t island) const {
@@ -159,6 +165,14 @@ void Bounded::add_touch(std::size_t index) {
     if (body >= 0)
       block.free_response += plant_.bodies.constants[static_cast<std::size_t>(body)].inverse_mass;
   const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& lever, double sign) {
+    // A mechanism needs the directions alone.
+    if (plant_.places[static_cast<std::size_t>(body)].mechanism >= 0 && !apart_) {
+      for (std::size_t row = 0; row < 3; ++row) {
+        const Vector3d along = sign * touch.frame.col(static_cast<int>(row));
+        put(end.J[row], lever.cross(along), along);
+      }
+      return;
+    }
     const auto i = static_cast<std::size_t>(body);
     rows_.respond_at_point(of, end, touch.frame.data(), lever.data(), sign,
                            plant_.bodies.inverse_inertia[i].data(), plant_.bodies.constants[i].inverse_mass);
@@ -339,6 +353,7 @@ void Bounded::finish() {
                  std::span(velocities_).subspan(velocities, part.velocity_count),
                  std::span(bodies_).subspan(part.first_free, part.free_count),
                  std::span(responses_).subspan(responses, part.response_count)};
+    part.rows.calm = is_calm(part.island);
     if (part.response_count > 0) connect_responses(part, &responses_[responses]);
     velocities += part.velocity_count;
     responses += part.response_count;
@@ -387,16 +402,28 @@ void Bounded::find_response(std::size_t m, double* W) {
     find_response_row_by_row(m, W);
 }
 
+// The three rows of a contact act on the same bodies, so they are followed together.
 bool Bounded::trace_rows(std::size_t m) {
   Tree& tree = plant_.mechanisms[m].tree();
-  tree.clear_traces();
-  for (const MechanismRow& row : of_mechanism_[m].rows) {
-    const PathMotion& line = row.line;
-    if (row.axis != nullptr)
-      tree.trace(tree.push_on_axis(static_cast<std::size_t>(row.axis->node)), {});
-    else
-      tree.trace(tree.push_at(line.node_a, line.angular_a, line.linear_a),
-                 tree.push_at(line.node_b, line.angular_b, line.linear_b));
+  const std::vector<MechanismRow>& rows = of_mechanism_[m].rows;
+  tree.begin_traces(rows.size());
+  for (std::size_t i = 0, count = 0; i < rows.size(); i += count) {
+    std::array<TreePush, Tree::kMostTogether> a, b;
+    const MechanismRow& first = rows[i];
+    if (first.axis != nullptr) {
+      count = 1;
+      a[0] = tree.push_on_axis(static_cast<std::size_t>(first.axis->node));
+    } else {
+      for (count = 0; count < Tree::kMostTogether && i + count < rows.size(); ++count) {
+        const MechanismRow& row = rows[i + count];
+        const PathMotion& line = row.line;
+        if (row.axis != nullptr || line.node_a != first.line.node_a || line.node_b != first.line.node_b)
+          break;
+        a[count] = tree.push_at(line.node_a, line.angular_a, line.linear_a);
+        b[count] = tree.push_at(line.node_b, line.angular_b, line.linear_b);
+      }
+    }
+    tree.trace(std::span(a).first(count), std::span(b).first(count));
     if (tree.step_count() > kMostWaySteps * tree.size()) return false;
   }
   return true;

@@ -100,6 +100,7 @@ struct Touch {
   Vector3d total_twist = Vector3d::Zero();  // the same for the twist
   bool asleep = false;                      // keeps the impulses that the last awake tick recorded
   Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
+  Vector3d kept_change;  // on A, in W: by how much the end of the last step gave more than its look-ahead
   // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
   std::optional<bool> rested;
 };

@@ -8,6 +8,7 @@
 // a little more, as a spring, and settle.
 //
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
+// With mechanisms an answer near the start is looked for next (rows_near.cc).
 // Otherwise each proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at
 // their bounds, and then solves the others at once (rows_active.cc), or with their bounds by Newton's method
 // (rows_newton.cc). Where that does not end for free bodies, the rows are softened a hundredfold: near its
@@ -25,17 +26,17 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Share of a row's response to itself: with mechanisms, and of contacts of free bodies alone. Where rows
-// repeat each other the softness alone holds their impulses, and Newton's method cycles if it is small. More
-// softness takes more points: with mechanisms these are dear, and rows repeat each other less.
-constexpr double kSoftness = 1e-6, kFreeSoftness = 1e-4;
+// Share of a row's response to itself: of rows with two bounds, of contacts where mechanisms take part, and
+// of contacts of free bodies alone. Where rows repeat each other the softness alone holds their impulses:
+// steps from bound to bound and Newton's method cycle if it is small. More softness takes more points.
+constexpr double kSoftness = 1e-6, kJointedSoftness = 3e-5, kFreeSoftness = 1e-4;
 constexpr double kGive = 1e-5;  // the same, for a contact's normal that yields
 // Where a point is not found: the softness grows by one factor, and comes back by the other.
 constexpr double kMostSoftness = 1.0, kSofter = 100.0, kFirmer = 0.1;
 constexpr int kMostSoftenings = 10;  // in one solution
 constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as rest
 // Proximal points in one solution.
-constexpr int kMostPoints = 4, kMostFreePoints = 10;
+constexpr int kMostPoints = 10;
 // Rounds of sweeps and a solution at once, for one proximal point.
 constexpr int kMostRounds = 8, kMostFreeRounds = 4;
 // More rows change sides than steps from bound to bound could follow, so sweeps smooth what is left.
@@ -64,16 +65,6 @@ void invert_tangents(RowBlock& block) {
   const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
   const double share = 1.0 / (a * c - b * b);
   block.inverse_tangential = {share * c, -share * b, share * a};
-}
-
-// Moves the proximal point to the present impulses. A yielding normal keeps its `rest`; where it is softened
-// `beyond` its own share, the centre of both springs together counts.
-void move_centre(RowBlock& block, double beyond) {
-  block.centre = block.lambda;
-  if (!block.gives) return;
-  block.centre[0] = beyond == 0.0
-                        ? block.rest
-                        : block.lambda[0] + kGive / (kGive + beyond) * (block.rest - block.lambda[0]);
 }
 
 }  // namespace
@@ -105,7 +96,7 @@ void Rows::prepare() {
 }
 
 double Rows::least_softness() const {
-  return responses_.empty() ? kFreeSoftness : kSoftness;
+  return responses_.empty() ? kFreeSoftness : kJointedSoftness;
 }
 
 // The proximal softness follows from K. Both tangents get the same value.
@@ -241,13 +232,29 @@ double Rows::sweep(bool forwards) {
 }
 
 // Puts the starting impulses into the velocities. They are the first proximal point, too.
-void Rows::start() {
+bool Rows::start() {
+  bool changed = false;
   for (RowBlock& block : blocks_) {
     std::array<double, 3> by{};
     for (std::size_t i = 0; i < block.dim; ++i) by[i] = block.lambda[i] - block.applied[i];
+    if (by == std::array<double, 3>{}) continue;
     push(block, by);
     block.applied = block.lambda;
-    move_centre(block, 0.0);
+    changed = true;
+  }
+  move_centres(0.0);
+  return changed;
+}
+
+// A yielding normal keeps its `rest`; where it is softened `beyond` its own share, the centre of both springs
+// together counts.
+void Rows::move_centres(double beyond) {
+  for (RowBlock& block : blocks_) {
+    block.centre = block.lambda;
+    if (!block.gives) continue;
+    block.centre[0] = beyond == 0.0
+                          ? block.rest
+                          : block.lambda[0] + kGive / (kGive + beyond) * (block.rest - block.lambda[0]);
   }
 }
 
@@ -259,17 +266,25 @@ double Rows::note_change() {
   return largest;
 }
 
-// True if next to nothing is missing with the starting impulses. With mechanisms this test is skipped: a
-// sweep costs no more than the look.
+// True if next to nothing is missing with the starting impulses. Rows on mechanisms are never at rest.
 bool Rows::is_at_rest(double least, double share, double rest) {
   if (rest == 0.0 || !responses_.empty()) return false;
   return largest_miss() <= rest * std::max(least, kRestShare * share * note_change());
 }
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
-  start();
+  island_->changed = start();
   island_->rests = island_->solved = is_at_rest(least, share, rest);
   if (island_->rests) return 0.0;
+  if (!responses_.empty() && island_->calm) {
+    const double missed = largest_miss();
+    if (settle_near_start(missed, std::max(least, share * note_change()))) {
+      island_->solved = true;
+      note_change();
+      return missed;
+    }
+  }
+  island_->changed = true;
   // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
   const double enough = std::max(least, share * note_change());
@@ -292,12 +307,12 @@ bool Rows::follow_points(double enough) {
   const double least = least_softness();
   double share = least;
   int softenings = 0;
-  for (int point = 0; point < (alone ? kMostFreePoints : kMostPoints);) {
+  for (int point = 0; point < kMostPoints;) {
     const bool found = settle(enough) <= enough;
     if (!found && !alone) return false;
     if (!found && ++softenings > kMostSoftenings) {
       hold_softly(least);
-      for (RowBlock& block : blocks_) move_centre(block, 0.0);
+      move_centres(0.0);
       return false;
     }
     if (found && share == least) {
@@ -307,7 +322,7 @@ bool Rows::follow_points(double enough) {
       share = found ? std::max(least, kFirmer * share) : std::min(kMostSoftness, kSofter * share);
       hold_softly(share);
     }
-    for (RowBlock& block : blocks_) move_centre(block, share > least ? share : 0.0);
+    move_centres(share > least ? share : 0.0);
   }
   return true;
 }
@@ -315,6 +330,7 @@ bool Rows::follow_points(double enough) {
 double Rows::sweep_gently(int sweeps) {
   start();
   island_->rests = island_->solved = false;
+  island_->changed = true;
   const double missed = sweep(true);
   for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);
   return missed;
@@ -354,16 +370,11 @@ double Rows::sweep_often(int sweeps, double enough) {
 }
 
 double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
-  direction_lambda_.assign(3 * blocks_.size(), 0.0);
-  direction_velocities_.assign(velocities_.size(), 0.0);
-  last_lambda_.resize(3 * blocks_.size());
-  last_velocities_.resize(velocities_.size());
+  direction_.lambda.assign(3 * blocks_.size(), 0.0);
+  direction_.velocities.assign(velocities_.size(), 0.0);
   double last_norm = 0.0, largest = 0.0;
   for (int k = 0; k < most_sweeps; ++k) {
-    for (std::size_t i = 0; i < blocks_.size(); ++i)
-      std::copy(blocks_[i].lambda.begin(), blocks_[i].lambda.end(),
-                last_lambda_.begin() + static_cast<std::ptrdiff_t>(3 * i));
-    last_velocities_.assign(velocities_.begin(), velocities_.end());
+    keep(last_);
     largest = sweep(true);
     if (largest <= enough) return largest;
     largest = sweep(false);
@@ -372,7 +383,7 @@ double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
     // (Fletcher-Reeves with restart).
     double norm = 0.0;
     for (std::size_t i = 0; i < velocities_.size(); ++i) {
-      const double moved = velocities_[i] - last_velocities_[i];
+      const double moved = velocities_[i] - last_.velocities[i];
       norm += moved * moved;
     }
     const double beta = last_norm > 0.0 ? norm / last_norm : 2.0;
@@ -380,15 +391,15 @@ double Rows::sweep_and_accelerate(int most_sweeps, double enough) {
     const double keep = beta <= 1.0 ? beta : 0.0;
     // Along the old direction once more, for velocities and impulses alike.
     for (std::size_t i = 0; i < velocities_.size(); ++i) {
-      const double old = direction_velocities_[i];
-      direction_velocities_[i] = keep * old + velocities_[i] - last_velocities_[i];
+      const double old = direction_.velocities[i];
+      direction_.velocities[i] = keep * old + velocities_[i] - last_.velocities[i];
       velocities_[i] += keep * old;
     }
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
-        double& direction = direction_lambda_[3 * i + j];
+        double& direction = direction_.lambda[3 * i + j];
         const double old = direction;
-        direction = keep * old + blocks_[i].lambda[j] - last_lambda_[3 * i + j];
+        direction = keep * old + blocks_[i].lambda[j] - last_.lambda[3 * i + j];
         blocks_[i].lambda[j] += keep * old;
         blocks_[i].applied[j] += keep * old;
       }

@@ -93,10 +93,12 @@ struct RowIsland {
   std::span<double> velocities;
   std::span<const FreeBody> bodies;   // the free ones, in the order of their velocities
   std::span<const double> responses;  // W of each mechanism that has rows, one after the other
-  double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
-  bool rests = false;                 // the last solve() had nothing to do
-  bool solved = false;                // the last solve() left no more than it was allowed to
-  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
+  bool calm = false;            // nothing is driven apart, so that the starting impulses are near the answer
+  double largest_change = 0.0;  // of a velocity by an impulse, since prepare(), m/s or rad/s
+  bool rests = false;           // the last solve() had nothing to do
+  bool solved = false;          // the last solve() left no more than it was allowed to
+  bool changed = false;         // the last solve() has changed the velocities
+  std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
   // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
   const Rows* factored_by = nullptr;
   const Rows* paired_by = nullptr;
@@ -170,6 +172,8 @@ class Rows {
     bool operator==(const Row&) const = default;
   };
   static constexpr std::size_t kAcross = 3;
+  static constexpr int kMostSteps = 8;  // of solve_active()
+  static constexpr int kMostNewtonPasses = 20;
   // The active rows begin..end-1 of one block. `drags`: a normal of them drags friction along.
   struct Group {
     std::size_t begin, end;
@@ -223,11 +227,21 @@ class Rows {
   void push(const RowBlock& block, const std::array<double, 3>& by);
   // Adds impulses to the velocities, to lambda and to applied.
   void change(RowBlock& block, const std::array<double, 3>& by);
-  // Puts the starting impulses into the velocities, and the proximal points there.
-  void start();
+  // Puts the starting impulses into the velocities, and the proximal points there. Returns whether any
+  // velocity has changed.
+  bool start();
+  // Moves the proximal points to the present impulses.
+  void move_centres(double beyond);
 
-  // rows_active.cc: solves all rows within their bounds at once. Returns false if there are too many of them.
-  bool solve_active(double enough);
+  // rows_near.cc: with mechanisms, looks for an answer near the start, which misses by `missed`. Returns
+  // false, at the start again, where there is none.
+  bool settle_near_start(double missed, double enough);
+  // True if much slides.
+  bool slides() const;
+
+  // rows_active.cc: solves all rows within their bounds at once, in at most so many steps from bound to
+  // bound. Returns false if there are too many of them.
+  bool solve_active(double enough, int most_steps = kMostSteps);
   // Velocities of one block's rows for unit impulses on those of another one that it meets. They stand in a
   // mechanism's W, or in pairs_, since they stay the same while the active rows change; or in `memory`, where
   // there are too many blocks.
@@ -276,8 +290,8 @@ class Rows {
 
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
   // it found no answer, and came as near as that.
-  double newton(double enough);
-  double newton(double enough, double best);  // from the kept point, which misses by `best`
+  double newton(double enough, int most_passes = kMostNewtonPasses);
+  double newton_from(double best, double enough, int most_passes);  // the kept point misses by `best`
   // One whole step. Returns false where the system has no factor.
   bool newton_step();
   // Put a block on the side where the projection leads, and its other rows into the active list.
@@ -286,9 +300,12 @@ class Rows {
   // Puts a contact's friction onto its cone, along a direction of length 1.
   void slide_along(RowBlock& block, const Tangential& d);
   // Impulses and velocities to come back to, fully or halfway.
-  void keep_point();
-  void put_back_point();
-  void go_half_back();
+  struct Point {
+    std::vector<double> lambda, velocities;
+  };
+  void keep(Point& point) const;
+  void put_back(const Point& point);
+  void go_half_back_to(const Point& point);
 
   // rows_bodies.cc: the same system with the bodies' velocities as unknowns.
   double softness(const Row& row) const;
@@ -340,7 +357,7 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
-  std::vector<double> last_lambda_, last_velocities_, direction_lambda_, direction_velocities_;
+  Point start_, last_, direction_;
 };
 
 inline double Rows::velocity(const RowBlock& block, std::size_t row) const {

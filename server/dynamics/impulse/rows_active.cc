@@ -19,7 +19,6 @@ namespace {
 
 // Solutions with the same active rows.
 constexpr int kMostRefinements = 2;
-constexpr int kMostSteps = 8;                  // steps in a row, each up to the next bound
 constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond this, sweeps alone are quicker
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
@@ -365,10 +364,10 @@ bool Rows::step_active() {
   return share == 1.0;
 }
 
-bool Rows::solve_active(double enough) {
+bool Rows::solve_active(double enough, int most_steps) {
   for (RowBlock& block : blocks_) block.at_bound = false;
   // From active set to active set. Where the factor fails, it is tried once more without dragged friction.
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < most_steps; ++step) {
     count_work(island_->sweep_units);
     find_active();
     if (active_.empty()) return true;

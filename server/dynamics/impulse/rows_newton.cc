@@ -22,7 +22,6 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostNewtonPasses = 20;
 constexpr int kMostWorse = 4;         // whole steps in a row that come no nearer
 constexpr int kMostStepHalvings = 5;  // of a step
 constexpr double kExact = 1e-3;       // share of the allowed miss below which no further step is worth it
@@ -90,71 +89,71 @@ bool Rows::newton_step() {
   return true;
 }
 
-void Rows::keep_point() {
-  last_lambda_.resize(3 * blocks_.size());
+void Rows::keep(Point& point) const {
+  point.lambda.resize(3 * blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i)
     std::copy(blocks_[i].lambda.begin(), blocks_[i].lambda.end(),
-              last_lambda_.begin() + static_cast<std::ptrdiff_t>(3 * i));
-  last_velocities_.assign(velocities_.begin(), velocities_.end());
+              point.lambda.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  point.velocities.assign(velocities_.begin(), velocities_.end());
 }
 
-void Rows::put_back_point() {
+void Rows::put_back(const Point& point) {
   for (std::size_t i = 0; i < blocks_.size(); ++i)
     for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
-      blocks_[i].applied[j] += last_lambda_[3 * i + j] - blocks_[i].lambda[j];
-      blocks_[i].lambda[j] = last_lambda_[3 * i + j];
+      blocks_[i].applied[j] += point.lambda[3 * i + j] - blocks_[i].lambda[j];
+      blocks_[i].lambda[j] = point.lambda[3 * i + j];
     }
-  std::copy(last_velocities_.begin(), last_velocities_.end(), velocities_.begin());
+  std::copy(point.velocities.begin(), point.velocities.end(), velocities_.begin());
 }
 
-void Rows::go_half_back() {
+void Rows::go_half_back_to(const Point& point) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
-      const double by = 0.5 * (last_lambda_[3 * i + j] - blocks_[i].lambda[j]);
+      const double by = 0.5 * (point.lambda[3 * i + j] - blocks_[i].lambda[j]);
       blocks_[i].applied[j] += by;
       blocks_[i].lambda[j] += by;
     }
   }
   for (std::size_t i = 0; i < velocities_.size(); ++i)
-    velocities_[i] += 0.5 * (last_velocities_[i] - velocities_[i]);
+    velocities_[i] += 0.5 * (point.velocities[i] - velocities_[i]);
 }
 
 // A step that comes no nearer is often the way to an answer, so a few whole steps are taken first. Then the
 // best point is taken up again, and steps are halved until they come nearer. One step more follows the first
 // that is near enough: it costs little, and leaves next to nothing to drift from tick to tick.
-double Rows::newton(double enough) {
+double Rows::newton(double enough, int most_passes) {
   const double start = largest_miss();
-  keep_point();
+  keep(last_);
   try {
-    return newton(enough, start);
+    return newton_from(start, enough, most_passes);
   } catch (const WorkSpent&) {
-    put_back_point();  // a limited step starts from there
+    put_back(last_);  // a limited step starts from there
     throw;
   }
 }
 
-double Rows::newton(double enough, double best) {
+double Rows::newton_from(double best, double enough, int most_passes) {
   int worse = 0;
-  for (int pass = 0; pass < kMostNewtonPasses; ++pass) {
+  for (int pass = 0; pass < most_passes; ++pass) {
     const bool last = best <= enough;
     if (!newton_step()) break;
     double miss = largest_miss();
     for (int k = 0; worse == kMostWorse && k < kMostStepHalvings && !(miss < best); ++k) {
-      go_half_back();
+      go_half_back_to(last_);
       miss = largest_miss();
     }
     if (miss < best) {
       best = miss;
       if (worse < kMostWorse) worse = 0;
-      keep_point();
+      keep(last_);
     } else if (worse == kMostWorse) {
       break;
     } else if (++worse == kMostWorse) {
-      put_back_point();
+      put_back(last_);
     }
     if (last || best <= kExact * enough) break;
   }
-  put_back_point();
+  put_back(last_);
   return best;
 }
 

@@ -343,14 +343,15 @@ void Stepper::match_velocities(std::size_t m, double h, bool first) {
   give_answer(m, kAfter);
 }
 
-// The rows at t+h start from what they gave at t. The springs repeat their impulse; contacts meet at one
-// point again.
+// The rows at t+h start from what they gave at t, and what was added to that in the last step. The springs
+// repeat their impulse; contacts meet at one point again.
 void Stepper::begin_after(const world::WorldState& state) {
   push_by_springs(plant_, state);
   save_velocities();
   meet_touches(plant_);
   for (Touch& touch : plant_.touches) {
-    touch.impulse[kAfter] = touch.impulse[kAhead];
+    touch.impulse[kAfter] = touch.impulse[kAhead] + touch.frame.transpose() * touch.kept_change;
+    touch.impulse[kAfter][0] = std::max(touch.impulse[kAfter][0], -touch.impulse[kAhead][0]);
     touch.twist[kAfter] = touch.twist[kAhead];
   }
 }

@@ -213,9 +213,10 @@ double Stepper::close_joints(std::size_t island, double h, const world::WorldSta
 }
 
 bool Stepper::follow_rows(std::size_t island, double h) {
+  const bool changed = bounded_.has_changed(island);
   bool followed = true;
   for (const std::size_t m : plant_.islands.mechanisms(island))
-    if (bounded_.binds(m)) followed = follow_answer(m, h) && followed;
+    if (bounded_.binds(m)) followed = (changed ? follow_answer(m, h) : left_[m] <= d_max(m)) && followed;
   return followed;
 }
 

@@ -116,7 +116,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     touch.a = number_a;
     touch.b = number_b;
     touch.asleep = plant.asleep[static_cast<std::size_t>(std::max(touch.a, touch.b))] != 0;
-    touch.kept_impulse = touch.kept_twist = Vector3d::Zero();
+    touch.kept_impulse = touch.kept_twist = touch.kept_change = Vector3d::Zero();
     // The frame: the normal and two tangents.
     const Across tangents = across(contact.normal_W);
     touch.frame.col(0) = contact.normal_W;

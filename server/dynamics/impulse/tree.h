@@ -79,17 +79,16 @@ class Tree {
   void solve_part(int part);  // solves one part; the answers of other parts stay as they are
 
   // The response of unit impulses to each other (tree_response.cc), for a tree with at most one free root.
-  // Order of calls, any time after factor(): clear_traces(), trace() for each impulse, find_response(). `W`:
-  // as many rows and columns as there are impulses. An impulse has one or two ends, each made by push_at()
-  // (node -1: does not move) or push_on_axis().
+  // Order of calls, any time after factor(): begin_traces() with the number of impulses, trace() for all of
+  // them, find_response(). `W`: as many rows and columns as there are impulses. An impulse has one or two
+  // ends, each made by push_at() (node -1: does not move) or push_on_axis(). trace() takes up to four
+  // impulses whose ends are on the same nodes.
   TreePush push_at(int node, const Vector3d& angular, const Vector3d& linear) const;
   TreePush push_on_axis(std::size_t node) const;
-  void clear_traces() {
-    traces_.clear();
-    steps_.clear();
-  }
-  void trace(const TreePush& a, const TreePush& b);
-  std::size_t step_count() const { return steps_.size(); }  // axes on all ways to the root
+  void begin_traces(std::size_t count);
+  static constexpr std::size_t kMostTogether = 4;
+  void trace(std::span<const TreePush> a, std::span<const TreePush> b);
+  std::size_t step_count() const { return step_count_; }  // axes on all ways to the root
   void find_response(double* W);
 
   // The answer, by node: changes of velocity of the centre of mass, and of a joint's single axis.
@@ -130,14 +129,12 @@ class Tree {
     int root = -1;          // index into roots_; -1: none
   };
 
-  // The way of a unit impulse to the root.
-  struct Trace {
-    std::size_t first = 0, count = 0;  // in steps_
-    Vector6 root;                      // the load on the root
+  // The way of a unit impulse to the root: its rows are some of way_rows_.
+  struct Way {
+    std::size_t first = 0, count = 0;
   };
-  std::span<const TreeStep> steps_of(const Trace& trace) const {
-    return std::span(steps_).subspan(trace.first, trace.count);
-  }
+  // The response of impulse i to itself and to those before it.
+  void find_responses_of(std::size_t i, double* to);
 
   // Adds the rows of a node: one for each free direction of its joint, at least one.
   void add_rows(std::size_t node);
@@ -162,10 +159,13 @@ class Tree {
   std::vector<TreeAsked> asked_;
   std::vector<TreeAnswer> answers_;
   std::vector<TreeLoad> loads_;
-  // The ways of the impulses whose response is asked for.
-  std::vector<Trace> traces_;
-  std::vector<TreeStep> steps_;
-  std::vector<double> shares_;  // by row
+  // The ways of the impulses whose response is asked for. The matrix has a row for each row of the tree and
+  // six for the root's load, and a column for each impulse: its e there (tree_response.cc).
+  std::vector<Way> ways_;
+  std::vector<std::size_t> way_rows_, way_;  // of all ways; room for one
+  std::vector<double> matrix_;
+  std::size_t width_ = 0, step_count_ = 0;  // width_: of the matrix' rows
+  std::vector<TreeShare> answers_of_way_;   // to one impulse: of each axis on its way, and of the root
 };
 
 }  // namespace visum::dynamics::impulse

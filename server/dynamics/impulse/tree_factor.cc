@@ -1,4 +1,4 @@
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "server/dynamics/impulse/tree.h"
 
@@ -37,12 +37,14 @@ void Tree::factor(const Bodies& bodies, const std::vector<JointPose>& poses, con
   for (Root& root : roots_) factor_root(root);
 }
 
+// By blocks of 3 x 3: C is the mass of all that hangs there, A - B C^-1 B^T its inertia about its centre.
 void Tree::factor_root(Root& root) {
   const TreeFactor& f = factors_[root.row];
   const Matrix3d B = full_matrix(f.B[0], f.B[1], f.B[2]);
-  Eigen::Matrix<double, 6, 6> inertia;
-  inertia << full_symmetric(f.A), B, B.transpose(), full_symmetric(f.C);
-  root.inverse = inertia.llt().solve(Eigen::Matrix<double, 6, 6>::Identity());
+  const Matrix3d inverse_C = full_symmetric(f.C).inverse(), lever = B * inverse_C;
+  const Matrix3d turning = (full_symmetric(f.A) - lever * B.transpose()).inverse();
+  const Matrix3d coupling = -turning * lever;
+  root.inverse << turning, coupling, coupling.transpose(), inverse_C - lever.transpose() * coupling;
 }
 
 }  // namespace visum::dynamics::impulse

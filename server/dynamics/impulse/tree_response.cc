@@ -7,6 +7,7 @@
 // Source: the innovations factorisation of the inverse mass matrix, Rodriguez, Jain, Kreutz-Delgado, Spatial
 // operator factorization and inversion of the manipulator mass matrix, IEEE Trans. Robotics and Automation 8
 // (1992).
+#include <algorithm>
 #include <cassert>
 
 #include "server/dynamics/impulse/tree.h"
@@ -17,43 +18,60 @@ TreePush Tree::push_at(int node, const Vector3d& angular, const Vector3d& linear
   TreePush push;
   if (node < 0) return push;
   push.row = static_cast<int>(row_of_[static_cast<std::size_t>(node)]);
-  Eigen::Map<Vector3d>(push.angular) = angular;
-  Eigen::Map<Vector3d>(push.linear) = linear;
+  Eigen::Map<Eigen::Vector4d>(push.angular) << angular, 0.0;
+  Eigen::Map<Eigen::Vector4d>(push.linear) << linear, 0.0;
   return push;
 }
 
 TreePush Tree::push_on_axis(std::size_t node) const {
   TreePush push;
   push.row = static_cast<int>(row_of_[node]);
+  std::ranges::fill(push.angular, 0.0);
+  std::ranges::fill(push.linear, 0.0);
   push.axis = 1.0;
   return push;
 }
 
-void Tree::trace(const TreePush& a, const TreePush& b) {
-  Trace& trace = traces_.emplace_back();
-  trace.first = steps_.size();
-  steps_.resize(trace.first + rows_.size());
-  trace.root.setZero();
-  trace.count = kernels_->trace_tree(data(), &a, &b, &steps_[trace.first], trace.root.data());
-  steps_.resize(trace.first + trace.count);
+void Tree::begin_traces(std::size_t count) {
+  ways_.clear();
+  way_rows_.clear();
+  step_count_ = 0;
+  width_ = count + kMostTogether - 1;  // the kernels work on four columns at a time
+  matrix_.assign((rows_.size() + 6) * width_, 0.0);
+  way_.resize(rows_.size());
+  answers_of_way_.resize(rows_.size() + 6);
+}
+
+void Tree::trace(std::span<const TreePush> a, std::span<const TreePush> b) {
+  const std::size_t first = way_rows_.size(), column = ways_.size();
+  const std::size_t count = kernels_->trace_tree(data(), rows_.size(), a.data(), b.data(), a.size(),
+                                                 &matrix_[column], width_, way_.data());
+  way_rows_.insert(way_rows_.end(), way_.begin(), way_.begin() + static_cast<std::ptrdiff_t>(count));
+  ways_.resize(column + a.size(), {first, count});
+  step_count_ += a.size() * count;
+}
+
+// The sum of the matrix' rows, with the answers of the axes on the way, and of the root, as factors.
+void Tree::find_responses_of(std::size_t i, double* to) {
+  TreeShare* answer = answers_of_way_.data();
+  if (!roots_.empty()) {
+    Vector6 load;
+    for (std::size_t k = 0; k < 6; ++k) load[static_cast<int>(k)] = matrix_[(rows_.size() + k) * width_ + i];
+    const Vector6 rates = roots_[0].inverse * load;
+    for (std::size_t k = 0; k < 6; ++k) *answer++ = {rows_.size() + k, rates[static_cast<int>(k)]};
+  }
+  for (const std::size_t row : std::span(way_rows_).subspan(ways_[i].first, ways_[i].count))
+    *answer++ = {row, factors_[row].inverse_D * matrix_[row * width_ + i]};
+  const auto count = static_cast<std::size_t>(answer - answers_of_way_.data());
+  kernels_->sum_ways(matrix_.data(), width_, answers_of_way_.data(), count, i + 1, to);
 }
 
 void Tree::find_response(double* W) {
   assert(roots_.size() <= 1);
-  const std::size_t n = traces_.size();
-  shares_.assign(rows_.size(), 0.0);
+  const std::size_t n = ways_.size();
   for (std::size_t i = 0; i < n; ++i) {
-    // The answers of the axes and of the root to impulse i; then what the others measure of them.
-    const std::span<const TreeStep> way = steps_of(traces_[i]);
-    for (const TreeStep& step : way) shares_[step.row] = factors_[step.row].inverse_D * step.e;
-    Vector6 root = Vector6::Zero();
-    if (!roots_.empty()) root.noalias() = roots_[0].inverse * traces_[i].root;
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = root.dot(traces_[j].root);
-      for (const TreeStep& step : steps_of(traces_[j])) sum += step.e * shares_[step.row];
-      W[i * n + j] = W[j * n + i] = sum;
-    }
-    for (const TreeStep& step : way) shares_[step.row] = 0.0;
+    find_responses_of(i, W + i * n);
+    for (std::size_t j = 0; j < i; ++j) W[j * n + i] = W[i * n + j];
   }
 }
 

@@ -9,9 +9,9 @@ namespace {
 // The record of a contact, as it stands in the bytes.
 struct Record {
   std::int32_t shape_a, shape_b, feature, rested;
-  double impulse[3], twist[3];
+  double impulse[3], twist[3], change[3];
 };
-static_assert(sizeof(Record) == 64);
+static_assert(sizeof(Record) == 88);
 
 Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
@@ -80,11 +80,14 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
       record = record_at(bytes, i);
     }
     const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
+    const Vector3d change = vector(record.change);
     // A new contact starts from zero, and so does one with bad numbers.
-    if (key(record) != key(contact) || !impulse.allFinite() || !twist.allFinite()) continue;
+    if (key(record) != key(contact)) continue;
+    if (!impulse.allFinite() || !twist.allFinite() || !change.allFinite()) continue;
     touch.rested = record.rested != 0;
     touch.kept_impulse = impulse;
     touch.kept_twist = twist;
+    touch.kept_change = change;
     if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
     touch.impulse[kAhead] = touch.frame.transpose() * impulse;
     // The surface may have turned since: a normal impulse never pulls.
@@ -106,8 +109,10 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const collision::Contact& contact = contacts[touch.contact];
     const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
     // A sleeping contact keeps its record as it is.
-    Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist;
+    Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist, change = touch.kept_change;
     if (!touch.asleep) {
+      change.setZero();
+      if (jointed) change = touch.frame * (touch.impulse[kAfter] - touch.impulse[kAhead]);
       impulse = to_start_from(touch, touch.impulse, jointed);
       twist.setZero();
       if (is_held_from_turning(touch)) twist = to_start_from(touch, touch.twist, jointed);
@@ -117,7 +122,8 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
                         contact.feature,
                         touch.rested.value_or(false) ? 1 : 0,
                         {impulse.x(), impulse.y(), impulse.z()},
-                        {twist.x(), twist.y(), twist.z()}};
+                        {twist.x(), twist.y(), twist.z()},
+                        {change.x(), change.y(), change.z()}};
     std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));
   }
 }

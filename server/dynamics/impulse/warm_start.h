@@ -5,7 +5,8 @@
 //
 // Format: for each mechanism that predicts, the bytes of its prediction (prediction.h). Then one record for
 // each contact, in their order: shape_a, shape_b, feature, whether its island has rested (32 bits each),
-// impulse and twist in W (3 doubles each). Native endianness, as the rest of a snapshot. A sleeping contact
+// impulse and twist in W, and by how much the end of the step gave more than the look-ahead (3 doubles each;
+// the last is 0 between free bodies). Native endianness, as the rest of a snapshot. A sleeping contact
 // keeps its record.
 #pragma once
 

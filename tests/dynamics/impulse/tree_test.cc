@@ -221,19 +221,30 @@ std::vector<Impulse> make_impulses() {
   std::vector<Impulse> impulses{{1}, {3}, {7}, {9}};
   const std::vector<std::pair<int, int>> ends{{0, -1}, {3, -1}, {8, -1}, {3, 8},  {8, 3},
                                               {6, 0},  {1, 3},  {10, 2}, {-1, 9}, {5, 5}};
-  for (const auto& [a, b] : ends) impulses.push_back({a, b, direction(), direction()});
+  // One, two, three and four impulses that are followed together.
+  std::size_t together = 0;
+  for (const auto& [a, b] : ends) {
+    for (std::size_t i = 0; i <= together % 4; ++i) impulses.push_back({a, b, direction(), direction()});
+    ++together;
+  }
   return impulses;
 }
 
 std::vector<double> find_response(Grove& grove, const std::vector<Impulse>& impulses) {
   Tree& tree = grove.tree;
-  tree.clear_traces();
-  for (const Impulse& impulse : impulses) {
-    if (impulse.is_on_axis())
-      tree.trace(tree.push_on_axis(static_cast<std::size_t>(impulse.a)), {});
-    else
-      tree.trace(tree.push_at(impulse.a, impulse.on_a.head<3>(), impulse.on_a.tail<3>()),
-                 tree.push_at(impulse.b, impulse.on_b.head<3>(), impulse.on_b.tail<3>()));
+  tree.begin_traces(impulses.size());
+  for (std::size_t i = 0; i < impulses.size();) {
+    std::vector<TreePush> a, b;
+    const Impulse& first = impulses[i];
+    do {
+      const Impulse& impulse = impulses[i++];
+      a.push_back(impulse.is_on_axis()
+                      ? tree.push_on_axis(static_cast<std::size_t>(impulse.a))
+                      : tree.push_at(impulse.a, impulse.on_a.head<3>(), impulse.on_a.tail<3>()));
+      b.push_back(tree.push_at(impulse.b, impulse.on_b.head<3>(), impulse.on_b.tail<3>()));
+    } while (i < impulses.size() && a.size() < Tree::kMostTogether && impulses[i].a == first.a &&
+             impulses[i].b == first.b);
+    tree.trace(a, b);
   }
   std::vector<double> W(impulses.size() * impulses.size());
   tree.find_response(W.data());

@@ -43,6 +43,7 @@ constexpr Kernels make_kernels(const char* build) {
           .load_tree = load_tree,
           .spread_tree = spread_tree,
           .trace_tree = trace_tree,
+          .sum_ways = sum_ways,
           .apply_tree = apply_tree,
           .apply_and_note_tree = apply_and_note_tree,
           .largest_answer_of_tree = largest_answer_of_tree};

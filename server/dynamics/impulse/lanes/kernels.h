@@ -18,7 +18,8 @@ struct Kernels {
   const char* build;  // for which processor: x86-64 or x86-64-v3
 
   // Bodies (bodies.h), in blocks of four: free flight over h, first-order change of it, move to it, the
-  // fastest angular velocity (rad/s), and everything that follows from the orientations.
+  // fastest angular velocity (rad/s), what that change leaves of hinges' gaps, and everything that follows
+  // from the orientations.
   void (*fly)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* gravity);
   void (*nudge)(const BodyArrays&, const BodyBlock*, std::size_t count, double h, const double* dv,
                 const double* dw);
@@ -62,8 +63,10 @@ struct Kernels {
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
   void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);
   void (*spread_tree)(TreeData tree, std::size_t begin, std::size_t end);
-  std::size_t (*trace_tree)(TreeData tree, const TreePush* a, const TreePush* b, TreeStep* steps,
-                            double* root_load);
+  std::size_t (*trace_tree)(TreeData tree, std::size_t tree_rows, const TreePush* a, const TreePush* b,
+                            std::size_t count, double* ways, std::size_t width, std::size_t* way);
+  void (*sum_ways)(const double* ways, std::size_t width, const TreeShare* terms, std::size_t count,
+                   std::size_t n, double* to);
   void (*apply_tree)(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w);
   void (*apply_and_note_tree)(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,
                               double* given);

@@ -82,13 +82,14 @@ struct TreeData {
 
 // A unit impulse on a row: on its body, as seen at the centre of mass, or on its axis.
 struct alignas(32) TreePush {
-  double angular[4] = {}, linear[4] = {};
+  TreePush() {}  // leaves the vectors unset
+  double angular[4], linear[4];
   double axis = 0.0;
-  int row = -1;  // -1: nothing that moves
+  int row = -1;  // -1: nothing that moves, and the vectors mean nothing
 };
 
-// A step of an impulse on its way to the root: it gives e = lambda - S^T p to the axis of a row.
-struct TreeStep {
+// The share e of a row.
+struct TreeShare {
   std::size_t row = 0;
   double e = 0.0;
 };

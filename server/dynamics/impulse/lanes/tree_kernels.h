@@ -240,42 +240,100 @@ VISUM_LANES_INLINE LanesPair load_of(const TreeData& tree, const TreePush& push)
   return {-(load(push.angular) + cross(load(tree.factors[push.row].c), linear)), -linear};
 }
 
-// Follows an impulse on one or two rows to the root, or to where nothing moves. Writes what it gives to each
-// axis on the way (returns their number), and the load on the root. Parents come before their children, so
-// the end with the larger row goes on first, and both go on together from where they meet.
-std::size_t trace_tree(TreeData tree, const TreePush* a, const TreePush* b, TreeStep* steps,
-                       double* root_load) {
+// The loads of up to four impulses, one in each lane.
+struct LanesLoads {
+  Lanes w[3], v[3], axis;
+};
+VISUM_LANES_INLINE LanesLoads loads_of(const TreeData& tree, const TreePush* pushes, std::size_t count) {
+  double w[4][4] = {}, v[4][4] = {}, axis[4] = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const LanesPair load = load_of(tree, pushes[i]);
+    store(w[i], load.w);
+    store(v[i], load.v);
+    axis[i] = pushes[i].axis;
+  }
+  LanesLoads loads;
+  for (int k = 0; k < 3; ++k) {
+    loads.w[k] = lanes(w[0][k], w[1][k], w[2][k], w[3][k]);
+    loads.v[k] = lanes(v[0][k], v[1][k], v[2][k], v[3][k]);
+  }
+  loads.axis = load(axis);
+  return loads;
+}
+
+// f = X (p + U t), as in load_tree(), with the row's factor the same for all lanes. Returns e = lambda - S^T
+// p.
+VISUM_LANES_INLINE Lanes carry_on(const TreeFactor& f, LanesLoads& p) {
+  Lanes s = f.Sw[0] * p.w[0] + f.Sv[0] * p.v[0];
+  for (int k = 1; k < 3; ++k) s = s + (f.Sw[k] * p.w[k] + f.Sv[k] * p.v[k]);
+  const Lanes e = p.axis - s, t = f.inverse_D * e;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    p.w[k] = (p.w[k] + (f.r[i] * p.v[j] - f.r[j] * p.v[i])) + f.Tw[k] * t;
+  }
+  for (int k = 0; k < 3; ++k) p.v[k] = p.v[k] + f.Tv[k] * t;
+  p.axis = all(0.0);
+  return e;
+}
+
+// Follows up to four impulses, all on the same one or two rows, to the root, or to where nothing moves.
+// Writes what they give to each axis on the way into the axis' row of `ways`, and the load on the root into
+// the six rows behind the tree's. Each row is `width` long; the impulses' columns come first. Lists the rows
+// of the way and returns their number. Parents come before their children, so the end with the larger row
+// goes on first, and both go on together from where they meet.
+std::size_t trace_tree(TreeData tree, std::size_t tree_rows, const TreePush* a, const TreePush* b,
+                       std::size_t count, double* ways, std::size_t width, std::size_t* way) {
   const TreePush *lead = a->row >= b->row ? a : b, *rest = lead == a ? b : a;
-  LanesPair p = load_of(tree, *lead), later = load_of(tree, *rest);
-  double axis = lead->axis, later_axis = rest->axis;
+  LanesLoads p = loads_of(tree, lead, count), later = loads_of(tree, rest, count);
   int at = lead->row, waits = rest->row;
-  std::size_t count = 0;
+  std::size_t length = 0;
   while (at >= 0) {
     if (at == waits) {
-      p = p + later;
-      axis += later_axis;
+      for (int k = 0; k < 3; ++k) {
+        p.w[k] = p.w[k] + later.w[k];
+        p.v[k] = p.v[k] + later.v[k];
+      }
+      p.axis = p.axis + later.axis;
       waits = -1;
     }
     const TreeRow& row = tree.rows[at];
-    const TreeFactor& f = tree.factors[at];
-    if (row.root) store6(root_load, p.w, p.v);
-    const Lanes s = sum3(load(f.Sw) * p.w + load(f.Sv) * p.v), r = load(f.r);
-    const double e = axis - first(s), t = f.inverse_D * e;
-    if (row.axis >= 0) steps[count++] = {static_cast<std::size_t>(at), e};
-    p = {(p.w + cross(r, p.v)) + t * load(f.Tw), p.v + t * load(f.Tv)};
-    axis = 0.0;
+    if (row.root) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        store(ways + (tree_rows + k) * width, p.w[k]);
+        store(ways + (tree_rows + 3 + k) * width, p.v[k]);
+      }
+    }
+    const Lanes e = carry_on(tree.factors[at], p);
+    if (row.axis >= 0) {
+      way[length++] = static_cast<std::size_t>(at);
+      store(ways + static_cast<std::size_t>(at) * width, e);
+    }
     at = row.parent;
     if (at >= waits) continue;
-    const LanesPair swapped = p;
+    const LanesLoads swapped = p;
     p = later;
     later = swapped;
-    axis = later_axis;
-    later_axis = 0.0;
     const int next_row = waits;
     waits = at;
     at = next_row;
   }
-  return count;
+  return length;
+}
+
+// to_j = sum of e_k ways[row_k][j], for j < n. Each row of `ways` is `width` long, at least n + 3.
+void sum_ways(const double* ways, std::size_t width, const TreeShare* terms, std::size_t count, std::size_t n,
+              double* to) {
+  for (std::size_t j = 0; j < n; j += 4) {
+    Lanes sum = all(0.0);
+    for (std::size_t k = 0; k < count; ++k) sum = sum + terms[k].e * load(ways + terms[k].row * width + j);
+    if (j + 4 <= n) {
+      store(to + j, sum);
+      continue;
+    }
+    double last[4];
+    store(last, sum);
+    for (std::size_t i = j; i < n; ++i) to[i] = last[i - j];
+  }
 }
 
 // From the root to the tips: q' = t - D^-1 U^T (w1, v1), with (w1, v1) the velocity of P before the axis
