@@ -224,7 +224,7 @@ Scene empty_scene(const fs::path& file) {
   Scene scene;
   scene.file = file;
   scene.name = file.stem().string();
-  scene.world.engines.push_back({"ode"});
+  scene.world.engines.push_back({"impulse"});
   scene.engine_places.push_back({file.string(), 0, "engine"});
   scene.world.surfaces.push_back({"default"});
   return scene;

@@ -16,7 +16,8 @@ BIN = Path(os.environ.get("VISUM_BIN", SOURCE / "build/dev/bin"))
 
 class Daemon:
     def __init__(self, scene: str):
-        words = [BIN / "visumd", SOURCE / "models/scenes" / scene, "--clock", "lockstep", "--port", "0", "--http", "off", "--json", "-v", "0"]
+        # The sessions were recorded when ODE was the scenes' engine.
+        words = [BIN / "visumd", SOURCE / "models/scenes" / scene, "--engine", "ode", "--clock", "lockstep", "--port", "0", "--http", "off", "--json", "-v", "0"]
         self.process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         self.port = json.loads(self.process.stdout.readline())["port"]
 

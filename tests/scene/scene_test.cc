@@ -67,7 +67,7 @@ TEST(Scene, SettingsHaveTheDocumentedDefaults) {
   EXPECT_EQ(scene.seed, 1u);
   EXPECT_EQ(scene.lockstep_timeout_ns, 10'000'000'000);
   ASSERT_EQ(scene.world.engines.size(), 1u);
-  EXPECT_EQ(scene.world.engines[0].name, "ode");
+  EXPECT_EQ(scene.world.engines[0].name, "impulse");
   EXPECT_EQ(scene.world.surfaces[0].friction, 0.8);
 }
 

@@ -115,7 +115,7 @@ TEST_F(SdfModel, ASpringAboutAHingeIsAJointBesideIt) {
 TEST_F(SdfModel, ASpringThatTheEngineDoesNotHaveIsALoss) {
   files.write("m.sdf", "<sdf version='1.7'><model name='m'>" + two_links(joint("revolute", kSprung)) +
                            "</model></sdf>");
-  const auto file = files.write("s.yaml", "visum: 1\nmodels: [{name: m, file: m.sdf}]\n");
+  const auto file = files.write("s.yaml", "visum: 1\nengine: ode\nmodels: [{name: m, file: m.sdf}]\n");
   const Scene scene = load_scene(file);
   EXPECT_EQ(scene.world.joints.size(), 1u);
   EXPECT_THAT(scene.losses, Contains(HasSubstr("engine 'ode' has no springs")));

@@ -82,6 +82,10 @@ struct Touch {
   std::size_t contact = 0;  // index in the tick's list of contacts
   int a = -1, b = -1;       // numbers of the bodies; -1: this engine does not move it
   Vector3d ra, rb;          // contact point seen from the centres of mass (unused where the number is -1)
+  // True if one of the two shapes is a ball whose centre is not its body's centre of mass. The way from the
+  // latter to the former is a part of the lever that turns with the body: in the body's axes, and now in W.
+  bool eccentric = false;
+  Vector3d centre_a, centre_b, centre_a_W, centre_b_W;
   Matrix3d frame;
   Vector3d foreign;       // m/s, the part of A's velocity against B that bodies which others move cause
   Vector3d foreign_turn;  // rad/s, the same for the angular velocity

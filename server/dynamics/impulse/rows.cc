@@ -93,6 +93,8 @@ void Rows::prepare() {
     }
   }
   hold_softly(least_softness());
+  // Sweeps alone say what rows give that nothing can move.
+  island_->calm = island_->calm && std::ranges::none_of(blocks_, is_rigid);
 }
 
 double Rows::least_softness() const {

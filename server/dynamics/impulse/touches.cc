@@ -31,6 +31,41 @@ double speed_after_hit(double speed, double restitution, double depth, double ac
   return std::sqrt(std::max(0.0, restitution * restitution * at_surface + fall));
 }
 
+// From the centre of mass of one of our bodies to the centre of its ball, in the body's axes; 0 for other
+// shapes.
+Vector3d centre_of_ball(const Plant& plant, world::ShapeId id, int number) {
+  const world::Shape& shape = plant.model.shapes[id.index()];
+  if (number < 0 || shape.kind != world::ShapeKind::kSphere) return Vector3d::Zero();
+  return shape.X_BS.p - plant.model.bodies[shape.body.index()].p_BC;
+}
+
+void find_centres(const Plant& plant, const collision::Contact& contact, Touch& touch) {
+  touch.centre_a = centre_of_ball(plant, contact.shape_a, touch.a);
+  touch.centre_b = centre_of_ball(plant, contact.shape_b, touch.b);
+  touch.eccentric = !touch.centre_a.isZero(0.0) || !touch.centre_b.isZero(0.0);
+  touch.centre_a_W = touch.centre_b_W = Vector3d::Zero();
+  const std::vector<Quaterniond>& q_WB = plant.bodies.q_WB;
+  if (touch.eccentric && touch.a >= 0)
+    touch.centre_a_W = q_WB[static_cast<std::size_t>(touch.a)] * touch.centre_a;
+  if (touch.eccentric && touch.b >= 0)
+    touch.centre_b_W = q_WB[static_cast<std::size_t>(touch.b)] * touch.centre_b;
+}
+
+// The levers' part that turns with a ball's body follows that body.
+void follow_centre(const Quaterniond& q_WB, const Vector3d& centre, Vector3d& centre_W, Vector3d& lever) {
+  const Vector3d now = q_WB * centre;
+  lever += now - centre_W;
+  centre_W = now;
+}
+
+void follow_centres(const Plant& plant, Touch& touch) {
+  const std::vector<Quaterniond>& q_WB = plant.bodies.q_WB;
+  if (touch.a >= 0)
+    follow_centre(q_WB[static_cast<std::size_t>(touch.a)], touch.centre_a, touch.centre_a_W, touch.ra);
+  if (touch.b >= 0)
+    follow_centre(q_WB[static_cast<std::size_t>(touch.b)], touch.centre_b, touch.centre_b_W, touch.rb);
+}
+
 }  // namespace
 
 double normal_speed(const Plant& plant, const Touch& touch) {
@@ -78,6 +113,7 @@ bool find_hits(Plant& plant, double h) {
 void meet_touches(Plant& plant) {
   const Bodies& bodies = plant.bodies;
   for (Touch& touch : plant.touches) {
+    if (touch.eccentric && !touch.asleep) follow_centres(plant, touch);
     // A contact with something that does not move, or by another engine, has only one lever.
     if (touch.asleep || touch.a < 0 || touch.b < 0) continue;
     const auto a = static_cast<std::size_t>(touch.a), b = static_cast<std::size_t>(touch.b);
@@ -156,6 +192,7 @@ void find_touches(Plant& plant, std::span<const collision::Contact> contacts,
     // Two bodies that turn together fly on straight lines until their next impulse. They part at h/2 times
     // this acceleration.
     if (touch.a >= 0 && touch.b >= 0) touch.bias += touch.turn.cross(touch.turn.cross(touch.ra - touch.rb));
+    find_centres(plant, contact, touch);
     touch.depth = contact.depth;
     touch.friction = contact.friction;
     touch.restitution = contact.restitution;

@@ -395,7 +395,8 @@ class SdfWriter {
     if (!scene_.looks.viewpoints.empty()) output_.lose("SDF has no viewpoints");
     if (!scene_.looks.panels.empty()) output_.lose("SDF has no panels");
     for (const auto& engine : world_.engines)
-      if (engine.name != "ode") output_.lose("SDF has no engine '" + engine.name + "'");
+      if (engine.name != "ode" && engine.name != "impulse")
+        output_.lose("SDF has no engine '" + engine.name + "'");
   }
 
   const Scene& scene_;

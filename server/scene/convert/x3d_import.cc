@@ -29,7 +29,7 @@ class Importer {
       : root_(root), file_(file.string()), draft_(scene_), shapes_(draft_, root, file_) {
     scene_.file = file;
     scene_.name = file.stem().string();
-    scene_.world.engines.push_back({"ode"});
+    scene_.world.engines.push_back({"impulse"});
     scene_.engine_places.push_back({file_, 0, "engine"});
     scene_.world.surfaces.push_back({"default"});
     index(root);

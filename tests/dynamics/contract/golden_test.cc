@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0xda95afc3af6c3c05ull},        {"ImpulseOrder4", 0x0a3bdb832e97f1c9ull},
-    {"ImpulseIterate", 0x370b162ab9b4a5f8ull},
+    {"Impulse", 0x5f0226765fe6902aull},        {"ImpulseOrder4", 0x806f1c339e7cdb5dull},
+    {"ImpulseIterate", 0x3939f7abbb4c4f55ull},
 };
 
 class Golden : public Contract {};

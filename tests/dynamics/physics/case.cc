@@ -10,10 +10,11 @@ namespace {
 
 std::vector<Case> all_cases() {
   std::vector<Case> all;
-  for (const auto letter : {free_cases,    flip_cases,   pendulum_cases, accuracy_cases, coarse_cases,
-                            chain_cases,   heavy_cases,  loop_cases,     kind_cases,     kind_pair_cases,
-                            sliding_cases, bounce_cases, crowd_cases,    balance_cases,  legged_cases,
-                            grasp_cases,   lift_cases,   servo_cases,    anytime_cases,  determinism_cases})
+  for (const auto letter :
+       {free_cases,    flip_cases,        pendulum_cases, accuracy_cases,  coarse_cases,  chain_cases,
+        heavy_cases,   loop_cases,        kind_cases,     kind_pair_cases, sliding_cases, bounce_cases,
+        crowd_cases,   balance_cases,     legged_cases,   grasp_cases,     lift_cases,    servo_cases,
+        anytime_cases, determinism_cases, standing_cases})
     for (Case& one : letter()) all.push_back(std::move(one));
   return all;
 }

@@ -65,6 +65,7 @@ std::vector<Case> sliding_cases();
 std::vector<Case> bounce_cases();
 std::vector<Case> balance_cases();
 std::vector<Case> crowd_cases();
+std::vector<Case> standing_cases();
 std::vector<Case> legged_cases();
 std::vector<Case> grasp_cases();
 std::vector<Case> lift_cases();

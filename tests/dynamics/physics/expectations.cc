@@ -213,6 +213,11 @@ const std::vector<Line> kLines{
     {"K14", {{{3e-5, 1.5e-6}, {}, {}, {3e-5, 1.5e-6}, {0.003, 0.002}, {1, 0.6}}}},
     {"K15", {{{5e-12, 1e-14, 0}, {}, {}, {5e-12, 1e-14, 0}, {3e-4, 1e-14, 0}, {3e-4, 1e-14, 0}}}},
     {"K16", {{{0.004, 1e-12}, {}, {}, {0.005, 1.5e-6}, {4e-4, 1e-7}, {0.006, 1.5e-6}}}},
+    {"K17", {{{5e-6}, {}, {}, {5e-6}, {}, {5e-4}}}},
+    {"K18", {{{2e-12, 1e-6}, {}, {}, {2e-12, 1e-6}, {4e-6, 2e-5}, {2e-4, 2e-5}}}},
+    {"K19", {{{8e-6}, {}, {}, {8e-6}, {1e-5}, {4e-4}}}},
+    {"K20", {{{0, 1e-3}, {}, {}, {0, 2e-3}, {0, 2e-4}, {0, 1.5e-4}}}},
+    {"K21", {{{6e-5, 0}, {}, {}, {6e-5, 0}, {1.5e-4, 0}, {1.5e-4, 0}}}},
     {"K11", {{{1e-7, 3e-7}, {}, {}, {5e-5, 1e-7}, {1e-8, 1e-12}, {0.5, 1}}}},
     {"K11e",
      {{{1e-7, 1.5e-9}, {1e-11, 1e-12}, {1e-12, 1e-12}, {2e-7, 1.5e-9}, {0.004, 0.03}, {0.004, 0.03}}}},
@@ -266,6 +271,7 @@ const std::vector<Line> kLines{
     {"P8", {{{8e-6, 0.0002}, {6e-8, 7e-8}, {6e-10, 6e-10}, {}, {0.3, 0.4}, {0.4, 0.4}}}},
     {"C1l", {{{5e-8, 1.5e-6}, {5e-11, 6e-9}, {1e-13, 8e-9}, {}, {4e-6, 3e-5}, {0.0015, 0.0004}}}},
     {"K7l", {{{3e-8, 1e-8}, {}, {}, {}, {1e-6, 0.00015}, {0.1, 3e-5}}}},
+    {"K17l", {{{1e-5}, {}, {}, {}, {}, {0.004}}}},
     {"G1l",
      {{{0.001, 0.001, 0.001, 0.001, 0.001, 0.001, 0},
        {},
@@ -303,6 +309,7 @@ std::string why_not(const std::string& id, const std::string& row) {
   if (id == "L2" || id == "L4") return "has no springs";
   if (find_case(id).takes_long && row == "impulse-iterate")
     return "minutes of computing; a shorter case of the same letter shows it";
+  if (id.starts_with("K17") && row == "ode") return "more than a minute of computing";
   if (id.starts_with("G1l") && row == "ode")
     return "more than three minutes of computing; G1 and G1c show it";
   throw std::logic_error("no bounds and no reason for case " + id + " with " + row);

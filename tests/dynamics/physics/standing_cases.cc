@@ -1,0 +1,168 @@
+// K17 to K21: walls, piles, a house of cards, dominoes, a tippe top.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/dynamics/physics/case.h"
+#include "tests/dynamics/physics/contact_models.h"
+#include "tests/dynamics/physics/measures.h"
+
+namespace visum::physics {
+namespace {
+
+using dynamics::testing::at;
+using dynamics::testing::ModelBuilder;
+using Eigen::Vector3d;
+
+// The farthest that any body has come from its start, m.
+double farthest(const Lab& lab) {
+  double moved = 0.0;
+  for (std::size_t i = 0; i < lab.model.bodies.size(); ++i)
+    moved = std::max(moved, (lab.state.bodies[i].p_WC - lab.model.bodies[i].X_WB.p).norm());
+  return moved;
+}
+
+// A wall of bricks, each of which rests on two: every other row begins and ends with half a brick.
+std::vector<double> stand_as_a_wall(const world::EngineSetting& engine, int side, double seconds) {
+  constexpr double kLength = 0.4, kHeight = 0.2;
+  ModelBuilder b(engine);
+  b.add_ground();
+  for (int row = 0; row < side; ++row) {
+    const bool shifted = row % 2 == 1;
+    for (int i = 0; i < side + (shifted ? 1 : 0); ++i) {
+      const bool half = shifted && (i == 0 || i == side);
+      const double length = half ? 0.5 * kLength : kLength;
+      const double x = kLength * i + (i == 0    ? 0.5 * length
+                                      : shifted ? (half ? -0.25 * kLength : 0.0)
+                                                : 0.5 * length);
+      b.add_box("brick_" + std::to_string(row) + "_" + std::to_string(i), {length, 0.2, kHeight},
+                half ? 0.5 : 1.0, at(x, 0.0, kHeight * (row + 0.5) - kTouch * (row + 1)));
+    }
+  }
+  Lab lab(b.model);
+  lab.run(seconds);
+  return {farthest(lab)};
+}
+std::vector<double> stand_as_a_small_wall(const world::EngineSetting& engine) {
+  return stand_as_a_wall(engine, 5, 1.0);
+}
+std::vector<double> stand_as_a_large_wall(const world::EngineSetting& engine) {
+  return stand_as_a_wall(engine, 10, 5.0);
+}
+
+// Boxes that fall into a heap come to rest, and none lies in another.
+std::vector<double> settle(const world::EngineSetting& engine) {
+  Lab lab(piles(engine, 1e-3, 1, 10));
+  lab.run(6.0);
+  double speed = 0.0, depth = 0.0;
+  for (const auto& body : lab.state.bodies)
+    speed = std::max({speed, body.v_WC.norm(), 0.1 * body.w_WB.norm()});
+  for (const auto& contact : lab.contacts) depth = std::max(depth, contact.depth);
+  return {speed, depth};
+}
+// Two pairs of cards that lean on each other, a card that lies on both, and a pair on top of it.
+std::vector<double> stand_as_a_house(const world::EngineSetting& engine) {
+  constexpr double kLean = 20.0 * kDegree, kLength = 0.2, kHalf = 0.002, kKg = 0.1, kPitch = 0.1;
+  ModelBuilder b(engine);
+  const auto card = b.add_surface(0.8, 0.0);
+  b.add_ground(card);
+  const double x = 0.5 * kLength * std::sin(kLean) + kHalf * std::cos(kLean);
+  const double z = 0.5 * kLength * std::cos(kLean) + kHalf * std::sin(kLean);
+  // The upper edge of a card's outer side is its highest point.
+  const double storey = kLength * std::cos(kLean) + 2.0 * kHalf * std::sin(kLean);
+  const auto lean = [&](const std::string& name, double middle, double floor) {
+    for (const double side : {-1.0, 1.0})
+      b.add_box(name + (side < 0.0 ? "_left" : "_right"), {2.0 * kHalf, 0.1, kLength}, kKg,
+                at(middle + side * (x - kTouch), 0.0, floor + z - kTouch, -side * kLean, Vector3d::UnitY()),
+                card);
+  };
+  lean("first", -kPitch, 0.0);
+  lean("second", kPitch, 0.0);
+  b.add_box("lying", {0.4, 0.1, 2.0 * kHalf}, kKg, at(0.0, 0.0, storey + kHalf - 3.0 * kTouch), card);
+  lean("top", 0.0, storey + 2.0 * kHalf - 4.0 * kTouch);
+  Lab lab(b.model);
+  lab.run(5.0);
+  return {farthest(lab)};
+}
+
+// Ten dominoes 3 cm apart; the first is pushed over its edge. Each tips the next. Nothing drives them: energy
+// falls, and rises by no more than it takes to lift what has sunk in.
+std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
+  constexpr int kCount = 10;
+  constexpr double kHeight = 0.08, kThick = 0.01, kPitch = 0.03, kKg = 0.05;
+  ModelBuilder b(engine);
+  const auto surface = b.add_surface(0.5, 0.0);
+  b.add_ground(surface);
+  for (int i = 0; i < kCount; ++i)
+    b.add_box("domino_" + std::to_string(i), {kThick, 0.04, kHeight}, kKg,
+              at(kPitch * i, 0.0, 0.5 * kHeight - kTouch), surface);
+  // Enough to lift the centre of mass over the edge, and half as much again.
+  const double over = std::hypot(0.5 * kHeight, 0.5 * kThick) - 0.5 * kHeight;
+  const double about_edge = kKg * (kHeight * kHeight + kThick * kThick) / 3.0;
+  const double turn = std::sqrt(1.5 * 2.0 * kKg * kG * over / about_edge);
+  b.model.bodies[1].w_WB = {0.0, turn, 0.0};
+  b.model.bodies[1].v_WB = Vector3d(0.0, turn, 0.0).cross(Vector3d(-0.5 * kThick, 0.0, 0.5 * kHeight));
+  Lab lab(b.model);
+  const double scale = kCount * kKg * kG * 0.5 * kHeight;
+  double least = energy_of(lab.model, lab.state), rise = 0.0;
+  watch(lab, 2.0, [&] {
+    const double now = energy_of(lab.model, lab.state);
+    rise = std::max(rise, (now - least) / scale);
+    least = std::min(least, now);
+  });
+  double standing = 0.0;
+  for (int i = 0; i < kCount; ++i)
+    standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kHeight;
+  return {standing, rise};
+}
+
+// A ball of 2 cm whose centre of mass lies 3 mm below its centre, spun fast and a little tilted, turns over.
+// With d from the centre of mass to the point of contact, Jellett's product L d stays the same, whatever the
+// friction is.
+std::vector<double> turn_a_tippe_top(const world::EngineSetting& engine) {
+  constexpr double kBall = 0.02, kOff = 0.003, kKg = 0.02, kSpin = 150.0, kTilt = 0.1;
+  ModelBuilder b(engine);
+  const auto surface = b.add_surface(0.3, 0.0);
+  b.add_ground(surface);
+  const auto top =
+      b.add_sphere("top", kBall, kKg, at(0.0, 0.0, kBall - kTouch, kTilt, Vector3d::UnitY()), surface);
+  b.body(top).p_BC = {0.0, 0.0, -kOff};
+  b.body(top).w_WB = kSpin * Vector3d(std::sin(kTilt), 0.0, std::cos(kTilt));
+  Lab lab(b.model);
+  const auto up = [&] { return Vector3d(lab.body("top").q_WB * Vector3d::UnitZ()); };
+  const auto jellett = [&] {
+    const Vector3d d = kOff * up() - kBall * Vector3d::UnitZ();
+    return spin_of(lab.model.bodies[top.index()], lab.body("top")).dot(d);
+  };
+  const double start = jellett();
+  double drift = 0.0, lowest = 1.0;
+  watch(lab, 4.0, [&] {
+    drift = std::max(drift, std::abs(jellett() / start - 1.0));
+    lowest = std::min(lowest, up().z());
+  });
+  return {drift, lowest < -0.9 ? 0.0 : 1.0};
+}
+
+}  // namespace
+
+std::vector<Case> standing_cases() {
+  const char* still = "closed form: no motion";
+  const char* rest = "closed form: what falls loses its energy, and rests without overlap";
+  return {
+      {"K17", "WallOf5By5BricksStands", still, {{"moved_m", 1e-4}}, stand_as_a_small_wall},
+      {"K17l", "WallOf10By10BricksStandsFor5s", still, {{"moved_m", 1e-4}}, stand_as_a_large_wall, true},
+      {"K18", "PileOf10Settles", rest, {{"speed_m_per_s", 1e-6}, {"depth_m", 1e-4}}, settle},
+      {"K19", "HouseOfSevenCardsStands", still, {{"moved_m", 1e-5}}, stand_as_a_house},
+      {"K20",
+       "DominoesTipEachOther",
+       "closed form: all fall, E falls, and rises by no more than it takes to lift what has sunk in",
+       {{"standing", 0.0}, {"rise", 6e-3}},
+       fall_as_dominoes},
+      {"K21",
+       "TippeTopTurnsOver",
+       "closed form: Jellett's product is constant (Jellett, A treatise on the theory of friction, 1872)",
+       {{"drift", 2.5e-3}, {"stuck", 0.0}},
+       turn_a_tippe_top},
+  };
+}
+
+}  // namespace visum::physics
