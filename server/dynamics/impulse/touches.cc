@@ -51,7 +51,7 @@ void find_centres(const Plant& plant, const collision::Contact& contact, Touch& 
     touch.centre_b_W = q_WB[static_cast<std::size_t>(touch.b)] * touch.centre_b;
 }
 
-// The levers' part that turns with a ball's body follows that body.
+// The part of a lever that turns with a ball's body follows that body.
 void follow_centre(const Quaterniond& q_WB, const Vector3d& centre, Vector3d& centre_W, Vector3d& lever) {
   const Vector3d now = q_WB * centre;
   lever += now - centre_W;
@@ -113,7 +113,8 @@ bool find_hits(Plant& plant, double h) {
 void meet_touches(Plant& plant) {
   const Bodies& bodies = plant.bodies;
   for (Touch& touch : plant.touches) {
-    if (touch.eccentric && !touch.asleep) follow_centres(plant, touch);
+    // A contact that bounces off ends where it was.
+    if (touch.eccentric && !touch.asleep && !touch.hits) follow_centres(plant, touch);
     // A contact with something that does not move, or by another engine, has only one lever.
     if (touch.asleep || touch.a < 0 || touch.b < 0) continue;
     const auto a = static_cast<std::size_t>(touch.a), b = static_cast<std::size_t>(touch.b);
@@ -132,8 +133,8 @@ void carry_touches(Plant& plant, double h) {
     touch.depth -= h * normal_speed(plant, touch);
     if (touch.turn.isZero(0.0)) continue;
     const Matrix3d R = rotation(h * touch.turn).toRotationMatrix();
-    touch.ra = R * touch.ra;
-    touch.rb = R * touch.rb;
+    touch.ra = R * (touch.ra - touch.centre_a_W) + touch.centre_a_W;
+    touch.rb = R * (touch.rb - touch.centre_b_W) + touch.centre_b_W;
     touch.frame = R * touch.frame;
   }
 }
