@@ -3,6 +3,7 @@
 #include <tinyxml2.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -147,8 +148,10 @@ TEST(RunLine, SaysWhyItFailed) {
             "    FAILED  upright: tilt of box must be below 0.1 rad\n");
 }
 
-// A program that goes with its first run, which tells no result.
+// A program that goes with its first run, which tells no result. As in `visum`, a write to a process that has
+// ended is an error and no signal.
 TEST(RunMany, AProcessThatCannotBeStartedCostsNoRunThatIsDone) {
+  std::signal(SIGPIPE, SIG_IGN);
   const cli::TempFolder folder;
   ManyOptions options;
   options.program = folder.path() / "visum";
