@@ -93,11 +93,12 @@ struct RowIsland {
   std::span<double> velocities;
   std::span<const FreeBody> bodies;   // the free ones, in the order of their velocities
   std::span<const double> responses;  // W of each mechanism that has rows, one after the other
-  bool calm = false;            // nothing is driven apart, so that the starting impulses are near the answer
-  double largest_change = 0.0;  // of a velocity by an impulse, since prepare(), m/s or rad/s
-  bool rests = false;           // the last solve() had nothing to do
-  bool solved = false;          // the last solve() left no more than it was allowed to
-  bool changed = false;         // the last solve() has changed the velocities
+  // The start is near the answer: nothing is driven apart, and every row can be moved.
+  bool calm = false;
+  double largest_change = 0.0;    // of a velocity by an impulse, since prepare(), m/s or rad/s
+  bool rests = false;             // the last solve() had nothing to do
+  bool solved = false;            // the last solve() left no more than it was allowed to
+  bool changed = false;           // the last solve() has changed the velocities
   std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
   // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
   const Rows* factored_by = nullptr;
@@ -230,7 +231,8 @@ class Rows {
   // Puts the starting impulses into the velocities, and the proximal points there. Returns whether any
   // velocity has changed.
   bool start();
-  // Moves the proximal points to the present impulses.
+  // Moves the proximal points to the present impulses. `beyond`: how much softer the rows are than at least,
+  // as a share of their responses.
   void move_centres(double beyond);
 
   // rows_near.cc: with mechanisms, looks for an answer near the start, which misses by `missed`. Returns

@@ -165,7 +165,7 @@ class Tree {
   std::vector<std::size_t> way_rows_, way_;  // of all ways; room for one
   std::vector<double> matrix_;
   std::size_t width_ = 0, step_count_ = 0;  // width_: of the matrix' rows
-  std::vector<TreeShare> answers_of_way_;   // to one impulse: of each axis on its way, and of the root
+  std::vector<WayTerm> answers_of_way_;     // to one impulse: of each axis on its way, and of the root
 };
 
 }  // namespace visum::dynamics::impulse

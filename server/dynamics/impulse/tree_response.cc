@@ -53,7 +53,7 @@ void Tree::trace(std::span<const TreePush> a, std::span<const TreePush> b) {
 
 // The sum of the matrix' rows, with the answers of the axes on the way, and of the root, as factors.
 void Tree::find_responses_of(std::size_t i, double* to) {
-  TreeShare* answer = answers_of_way_.data();
+  WayTerm* answer = answers_of_way_.data();
   if (!roots_.empty()) {
     Vector6 load;
     for (std::size_t k = 0; k < 6; ++k) load[static_cast<int>(k)] = matrix_[(rows_.size() + k) * width_ + i];

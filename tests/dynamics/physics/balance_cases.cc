@@ -124,13 +124,7 @@ std::vector<double> fall_as_a_ragdoll(const world::EngineSetting& engine) {
   double weight = 0.0;
   for (const auto& body : lab.model.bodies)
     if (!body.fixed) weight += kG * body.mass_kg;
-  double least = energy_of(lab.model, lab.state), rise = 0.0;
-  const double scale = 0.5 * weight;
-  watch(lab, 1.5, [&] {
-    const double now = energy_of(lab.model, lab.state);
-    rise = std::max(rise, (now - least) / scale);
-    least = std::min(least, now);
-  });
+  const double rise = watch_energy_rise(lab, 1.5) / (0.5 * weight);
   return {rise, max_gap(lab.model, lab.state)};
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "tests/dynamics/physics/measures.h"
+
 namespace visum::physics {
 namespace {
 
@@ -53,6 +55,22 @@ void watch(Lab& lab, double seconds, const std::function<void()>& look) {
     lab.run_ticks(1);
     look();
   }
+}
+
+double watch_energy_rise(Lab& lab, double seconds) {
+  double least = energy_of(lab.model, lab.state), rise = 0.0;
+  watch(lab, seconds, [&] {
+    const double now = energy_of(lab.model, lab.state);
+    rise = std::max(rise, now - least);
+    least = std::min(least, now);
+  });
+  return rise;
+}
+
+double deepest(const std::vector<collision::Contact>& contacts) {
+  double depth = 0.0;
+  for (const auto& contact : contacts) depth = std::max(depth, contact.depth);
+  return depth;
 }
 
 }  // namespace visum::physics

@@ -84,4 +84,8 @@ std::vector<double> run(const Case& what, const world::EngineSetting& engine);
 // Runs ticks for `seconds`, and calls `look` after each.
 void watch(Lab& lab, double seconds, const std::function<void()>& look);
 
+// The same; returns by how much the energy has risen above its smallest value before, J.
+double watch_energy_rise(Lab& lab, double seconds);
+double deepest(const std::vector<collision::Contact>& contacts);  // overlap, m
+
 }  // namespace visum::physics

@@ -30,12 +30,6 @@ world::WorldModel cube_of_balls(const world::EngineSetting& engine, double heigh
   return b.model;
 }
 
-double deepest(const std::vector<collision::Contact>& contacts) {
-  double depth = 0.0;
-  for (const auto& contact : contacts) depth = std::max(depth, contact.depth);
-  return depth;
-}
-
 // The balls end up a millimetre and some centimetres lower, one on another: they may lie close, but not in
 // each other.
 std::vector<double> fall_on_one_another(const world::EngineSetting& engine) {

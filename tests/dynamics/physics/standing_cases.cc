@@ -28,23 +28,24 @@ std::vector<double> stand_as_a_wall(const world::EngineSetting& engine, int side
   b.add_ground();
   for (int row = 0; row < side; ++row) {
     const bool shifted = row % 2 == 1;
+    double end = 0.0;  // of the bricks that lie already
     for (int i = 0; i < side + (shifted ? 1 : 0); ++i) {
       const bool half = shifted && (i == 0 || i == side);
       const double length = half ? 0.5 * kLength : kLength;
-      const double x = kLength * i + (i == 0    ? 0.5 * length
-                                      : shifted ? (half ? -0.25 * kLength : 0.0)
-                                                : 0.5 * length);
       b.add_box("brick_" + std::to_string(row) + "_" + std::to_string(i), {length, 0.2, kHeight},
-                half ? 0.5 : 1.0, at(x, 0.0, kHeight * (row + 0.5) - kTouch * (row + 1)));
+                half ? 0.5 : 1.0, at(end + 0.5 * length, 0.0, kHeight * (row + 0.5) - kTouch * (row + 1)));
+      end += length;
     }
   }
   Lab lab(b.model);
   lab.run(seconds);
   return {farthest(lab)};
 }
+
 std::vector<double> stand_as_a_small_wall(const world::EngineSetting& engine) {
   return stand_as_a_wall(engine, 5, 1.0);
 }
+
 std::vector<double> stand_as_a_large_wall(const world::EngineSetting& engine) {
   return stand_as_a_wall(engine, 10, 5.0);
 }
@@ -53,12 +54,12 @@ std::vector<double> stand_as_a_large_wall(const world::EngineSetting& engine) {
 std::vector<double> settle(const world::EngineSetting& engine) {
   Lab lab(piles(engine, 1e-3, 1, 10));
   lab.run(6.0);
-  double speed = 0.0, depth = 0.0;
+  double speed = 0.0;
   for (const auto& body : lab.state.bodies)
     speed = std::max({speed, body.v_WC.norm(), 0.1 * body.w_WB.norm()});
-  for (const auto& contact : lab.contacts) depth = std::max(depth, contact.depth);
-  return {speed, depth};
+  return {speed, deepest(lab.contacts)};
 }
+
 // Two pairs of cards that lean on each other, a card that lies on both, and a pair on top of it.
 std::vector<double> stand_as_a_house(const world::EngineSetting& engine) {
   constexpr double kLean = 20.0 * kDegree, kLength = 0.2, kHalf = 0.002, kKg = 0.1, kPitch = 0.1;
@@ -103,12 +104,7 @@ std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
   b.model.bodies[1].v_WB = Vector3d(0.0, turn, 0.0).cross(Vector3d(-0.5 * kThick, 0.0, 0.5 * kHeight));
   Lab lab(b.model);
   const double scale = kCount * kKg * kG * 0.5 * kHeight;
-  double least = energy_of(lab.model, lab.state), rise = 0.0;
-  watch(lab, 2.0, [&] {
-    const double now = energy_of(lab.model, lab.state);
-    rise = std::max(rise, (now - least) / scale);
-    least = std::min(least, now);
-  });
+  const double rise = watch_energy_rise(lab, 2.0) / scale;
   double standing = 0.0;
   for (int i = 0; i < kCount; ++i)
     standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kHeight;

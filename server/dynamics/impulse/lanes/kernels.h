@@ -65,7 +65,7 @@ struct Kernels {
   void (*spread_tree)(TreeData tree, std::size_t begin, std::size_t end);
   std::size_t (*trace_tree)(TreeData tree, std::size_t tree_rows, const TreePush* a, const TreePush* b,
                             std::size_t count, double* ways, std::size_t width, std::size_t* way);
-  void (*sum_ways)(const double* ways, std::size_t width, const TreeShare* terms, std::size_t count,
+  void (*sum_ways)(const double* ways, std::size_t width, const WayTerm* terms, std::size_t count,
                    std::size_t n, double* to);
   void (*apply_tree)(const TreeRow* rows, const TreeAnswer* answers, std::size_t count, double* v, double* w);
   void (*apply_and_note_tree)(TreeData tree, const double* inertia, std::size_t count, double* v, double* w,

@@ -88,10 +88,10 @@ struct alignas(32) TreePush {
   int row = -1;  // -1: nothing that moves, and the vectors mean nothing
 };
 
-// The share e of a row.
-struct TreeShare {
+// A row of the matrix of ways (sum_ways), and its factor in a sum.
+struct WayTerm {
   std::size_t row = 0;
-  double e = 0.0;
+  double factor = 0.0;
 };
 
 // Where bodies and joints are: arrays by number of the body or by node, and the strides of the latter in

@@ -261,8 +261,7 @@ VISUM_LANES_INLINE LanesLoads loads_of(const TreeData& tree, const TreePush* pus
   return loads;
 }
 
-// f = X (p + U t), as in load_tree(), with the row's factor the same for all lanes. Returns e = lambda - S^T
-// p.
+// f = X (p + U t), as in load_tree(), in all lanes with the same row. Returns e = lambda - S^T p.
 VISUM_LANES_INLINE Lanes carry_on(const TreeFactor& f, LanesLoads& p) {
   Lanes s = f.Sw[0] * p.w[0] + f.Sv[0] * p.v[0];
   for (int k = 1; k < 3; ++k) s = s + (f.Sw[k] * p.w[k] + f.Sv[k] * p.v[k]);
@@ -320,12 +319,13 @@ std::size_t trace_tree(TreeData tree, std::size_t tree_rows, const TreePush* a, 
   return length;
 }
 
-// to_j = sum of e_k ways[row_k][j], for j < n. Each row of `ways` is `width` long, at least n + 3.
-void sum_ways(const double* ways, std::size_t width, const TreeShare* terms, std::size_t count, std::size_t n,
+// to_j = sum of factor_k ways[row_k][j], for j < n. Each row of `ways` is `width` long, at least n + 3.
+void sum_ways(const double* ways, std::size_t width, const WayTerm* terms, std::size_t count, std::size_t n,
               double* to) {
   for (std::size_t j = 0; j < n; j += 4) {
     Lanes sum = all(0.0);
-    for (std::size_t k = 0; k < count; ++k) sum = sum + terms[k].e * load(ways + terms[k].row * width + j);
+    for (std::size_t k = 0; k < count; ++k)
+      sum = sum + terms[k].factor * load(ways + terms[k].row * width + j);
     if (j + 4 <= n) {
       store(to + j, sum);
       continue;
