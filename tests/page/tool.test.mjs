@@ -10,10 +10,18 @@ import { bin, source } from "./programs.mjs";
 const kHand = "arm/link_7";
 const field = (page, axis) => page.getByRole("spinbutton", { name: new RegExp(`^${axis} of the tool`) });
 const place = (page) => page.evaluate(() => ["x", "y", "z"].map((axis) => Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value)));
-// Waits until the tool is at a place, within a millimetre.
-const arrives = (page, wanted) => until(page, (goal) => ["x", "y", "z"].every((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - goal[i]) < 1e-3), wanted);
+// Waits until the tool is at a place, within a millimetre. Where it does not come, the error tells what the page has said.
+const arrives = (page, wanted) =>
+  until(page, (goal) => ["x", "y", "z"].every((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - goal[i]) < 1e-3), wanted).catch(async (error) => {
+    throw new Error(`the tool is at ${await place(page)}, not at ${wanted}; the page has said ${await page.evaluate(() => JSON.stringify(window.told))}`, { cause: error });
+  });
 
 async function openTool(page) {
+  await page.evaluate(() => {
+    window.told = []; // all messages, which are shown for seconds only
+    const note = (node) => node.classList?.contains("toast") && window.told.push(node.textContent);
+    new MutationObserver((changes) => changes.forEach(({ addedNodes }) => addedNodes.forEach(note))).observe(document.body, { childList: true, subtree: true });
+  });
   await page.getByRole("tab", { name: "Tool" }).click();
   await page.getByRole("tabpanel", { name: "Tool" }).getByRole("button", { name: "Take control of arm" }).click();
   await usable(page);
@@ -38,6 +46,16 @@ pageTest("the tool is jogged along axes, to typed coordinates, and stops at the 
     await field(page, "z").press("Enter");
     await field(page, "z").blur();
     await arrives(page, [start[0], start[1] + 0.08, start[2] + 0.02]);
+  });
+  await claim("what is selected in a field stays selected while the tool moves", async () => {
+    const before = await page.evaluate(() => [1, 2, 3, 4, 5, 6, 7].map((i) => visum.read("arm", `Actual Angle ${i}`)));
+    await field(page, "y").fill(String(start[1]));
+    await field(page, "y").press("Enter");
+    await page.keyboard.press("Control+a");
+    await until(page, (from) => from.some((angle, i) => Math.abs(visum.read("arm", `Actual Angle ${i + 1}`) - angle) > 0.03), before);
+    await page.keyboard.type(String(start[1] + 0.04));
+    await page.keyboard.press("Enter");
+    await arrives(page, [start[0], start[1] + 0.04, start[2] + 0.02]);
   });
   await claim("out of reach it stops, and says so", async () => {
     await field(page, "x").fill("3");

@@ -116,9 +116,21 @@ export class ToolPane {
 
   private field(axis: string, index: number): HTMLInputElement {
     const input = h("input", { type: "number", step: "any", "aria-label": `${axis} of the tool, ${index < 3 ? "m" : "degrees"}` });
-    input.addEventListener("input", () => (this.typing = input));
-    for (const end of ["change", "blur"]) input.addEventListener(end, () => (this.typing = null));
-    input.addEventListener("change", () => Number.isFinite(input.valueAsNumber) && this.goTyped(index, input.valueAsNumber));
+    // From when it is entered: a value that is set takes the selection away, and what is typed is appended
+    const begin = () => (this.typing = input);
+    for (const event of ["focus", "pointerdown", "input"]) input.addEventListener(event, begin);
+    input.addEventListener("keydown", ({ key }) => key !== "Enter" && begin());
+    // Then it shows where the tool is; the others may be selected by now
+    const end = () => {
+      if (this.typing === input) this.typing = null;
+      this.show(input, index);
+    };
+    input.addEventListener("change", () => {
+      if (Number.isFinite(input.valueAsNumber)) this.goTyped(index, input.valueAsNumber);
+      end();
+    });
+    input.addEventListener("blur", end);
+    input.addEventListener("keyup", ({ key }) => key === "Enter" && end());
     return input;
   }
 
@@ -179,10 +191,13 @@ export class ToolPane {
     this.take.disabled = !this.link.mayCommand;
     setText(this.take, `Take control of ${arm.part.name}`);
     this.teach.enable(usable);
-    const numbers = this.coordinates(this.actual(arm));
-    this.fields.forEach((input, i) => {
-      if (this.typing !== input) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
-    });
+    this.fields.forEach((input, i) => this.typing !== input && this.show(input, i));
+  }
+
+  private show(input: HTMLInputElement, index: number): void {
+    const arm = this.arm.value;
+    if (!arm || !this.world.sample) return;
+    input.value = asShown(this.coordinates(this.actual(arm))[index]!, index < 3 ? 4 : 2);
   }
 
   // Why the arm does not move, or moves slower than a user expects.
