@@ -17,6 +17,7 @@
 
 #include "protocol/client.h"
 #include "protocol/codec.h"
+#include "protocol/local_socket.h"
 #include "protocol/socket_options.h"
 
 namespace visum::protocol {
@@ -71,9 +72,7 @@ AddressList resolve(const std::string& host, std::uint16_t port) {
   return {list, ::freeaddrinfo};
 }
 
-// A wait for the world has no time limit, so the kernel must notice a server whose machine is gone.
-void set_options(int fd) {
-  set_tcp_options(fd);
+void let_receive_block(int fd) {
   const timeval slice{kSlice.count(), 0};
   ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof slice);
   ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
@@ -125,6 +124,7 @@ bool is_tls_answer(std::span<const std::byte> answer) {
 
 ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const TlsFiles& tls,
                            Deadline deadline) {
+  if (!tls.given() && connect_locally(host, port)) return;
   connect(host, port, deadline);
   try {
     if (tls.given()) shake_hands(host, tls, deadline);
@@ -132,6 +132,21 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
     ::close(fd_);
     throw;
   }
+}
+
+bool ClientSocket::connect_locally(const std::string& host, std::uint16_t port) {
+  const std::string name = local_socket_name(port);
+  if (name.empty() || (host != "127.0.0.1" && host != "localhost" && host != "::1")) return false;
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  const LocalAddress local = local_address(name);
+  if (::connect(fd, reinterpret_cast<const sockaddr*>(&local.address), local.size) != 0) {
+    ::close(fd);
+    return false;
+  }
+  fd_ = fd;
+  let_receive_block(fd);
+  return true;
 }
 
 // Tries all addresses again and again until one answers, one refuses, or the deadline passes.
@@ -143,7 +158,9 @@ void ClientSocket::connect(const std::string& host, std::uint16_t port, Deadline
     if (steady_clock::now() >= deadline) break;
   }
   if (error != 0) fail_to_connect(place(host, port), error);
-  set_options(fd_);
+  // A wait for the world has no time limit, so the kernel must notice a server whose machine is gone.
+  set_tcp_options(fd_);
+  let_receive_block(fd_);
 }
 
 int ClientSocket::connect_to_any(const addrinfo* addresses, Deadline deadline, std::chrono::seconds attempt) {

@@ -1,6 +1,6 @@
-// The client's connected TCP socket, in plain text or over TLS. The socket itself does not block; the calls
-// here block up to a deadline. Owned by a Connection (client.cc), used on its thread. Throws ConnectionError
-// if the connection is lost, and RequestError if TLS fails.
+// The client's connected socket: TCP, in plain text or over TLS, or a Unix socket. The socket itself does not
+// block; the calls here block up to a deadline. Owned by a Connection (client.cc), used on its thread. Throws
+// ConnectionError if the connection is lost, and RequestError if TLS fails.
 #pragma once
 
 #include <chrono>
@@ -48,6 +48,8 @@ class ClientSocket {
   void finish() noexcept;
 
  private:
+  // Connects to the Unix socket beside the port (local_socket.h), without waiting. False: there is none.
+  bool connect_locally(const std::string& host, std::uint16_t port);
   // Connects before the deadline, or throws. A try without an answer begins anew after 1, 2, then every 4 s.
   void connect(const std::string& host, std::uint16_t port, Deadline deadline);
   // Tries each address once, each for at most `attempt`. Returns 0 or an errno.

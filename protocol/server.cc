@@ -22,7 +22,9 @@
 #include "protocol/codec.h"
 #include "protocol/http_door.h"
 #include "protocol/listener.h"
-#include "protocol/tcp_session.h"
+#include "protocol/local_door.h"
+#include "protocol/local_socket.h"
+#include "protocol/stream_session.h"
 #include "protocol/web_session.h"
 
 namespace visum::protocol {
@@ -66,13 +68,15 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
-  // Makes a session of a new TCP connection.
+  // Makes a session of a new connection.
   void admit(tcp::socket socket, const tcp::endpoint& peer);
+  void admit_local(LocalDoor::Socket socket);
+  void open_local_door();
   // Owns and starts a session.
   void keep(std::unique_ptr<WireSession> session);
   // If too many sessions have not said Hello, ends the oldest one of the address with the most of them. So a
   // client that says Hello at once is never kept out by silent ones.
-  void make_room_for(const tcp::endpoint& newcomer);
+  void make_room_for(const asio::ip::address& newcomer);
   // So many refused sessions linger that the next one is cut off.
   bool crowded() const {
     return count([](const WireSession& s) { return s.closing(); }) >= kMaxLeaving;
@@ -115,7 +119,8 @@ struct Server::Impl final : SessionOwner, HttpOwner {
       options_.limits.accepts_per_second,
       [this](tcp::socket socket, const tcp::endpoint& peer) { admit(std::move(socket), peer); },
       [this] { context_.refused.fetch_add(1, std::memory_order_relaxed); }};
-  std::unique_ptr<HttpDoor> http_;  // null: no HTTP
+  std::unique_ptr<HttpDoor> http_;    // null: no HTTP
+  std::unique_ptr<LocalDoor> local_;  // null: TCP only
   const milliseconds sweep_period_;
   asio::steady_timer sweep_timer_{io_};
   bool sweeping_ = false;
@@ -143,6 +148,7 @@ Server::Impl::Impl(const ListenOptions& options, SessionHandler& handler)
   context_.step = sweep_period_;
   if (options_.web.pages)
     http_ = std::make_unique<HttpDoor>(io_, options_.address, options_.web, tls_.get(), context_, *this);
+  if (!tls_) open_local_door();
   await_signal();
 }
 
@@ -153,15 +159,31 @@ Server::Impl::~Impl() {
 // ---------------------------------------- accepting
 
 void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
-  make_room_for(peer);
-  keep(std::make_unique<TcpSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()));
+  make_room_for(peer.address());
+  keep(std::make_unique<StreamSession>(context_, *this, std::move(socket), next_id_++, peer, tls_.get()));
+}
+
+void Server::Impl::open_local_door() {
+  const std::string name = local_socket_name(listener_.port());
+  if (name.empty()) return;
+  try {
+    local_ = std::make_unique<LocalDoor>(
+        io_, name, [this](LocalDoor::Socket socket) { admit_local(std::move(socket)); });
+  } catch (const std::runtime_error& error) {
+    spdlog::warn("{}: all clients use TCP", error.what());
+  }
+}
+
+void Server::Impl::admit_local(LocalDoor::Socket socket) {
+  make_room_for(asio::ip::address_v4::loopback());
+  keep(std::make_unique<StreamSession>(context_, *this, std::move(socket), next_id_++));
 }
 
 // From here on it is a session like any other, with the same limits and the same refusals.
 void Server::Impl::upgraded(UpgradePointer upgrade) {
   tcp::endpoint peer;
   if (stopping_ || !peer_of(*upgrade, peer)) return;
-  make_room_for(peer);
+  make_room_for(peer.address());
   keep(make_web_session(context_, *this, next_id_++, peer, std::move(upgrade)));
 }
 
@@ -172,7 +194,7 @@ void Server::Impl::keep(std::unique_ptr<WireSession> session) {
   arm_sweep();
 }
 
-void Server::Impl::make_room_for(const tcp::endpoint& newcomer) {
+void Server::Impl::make_room_for(const asio::ip::address& newcomer) {
   std::map<asio::ip::address, std::vector<WireSession*>> silent;  // by address, the oldest first
   std::size_t count = 0;
   for (auto& [id, session] : sessions_) {
@@ -181,7 +203,7 @@ void Server::Impl::make_room_for(const tcp::endpoint& newcomer) {
     ++count;
   }
   if (count < options_.limits.max_unauthenticated) return;
-  const auto weight = [own = share_of(newcomer.address())](const auto& entry) {
+  const auto weight = [own = share_of(newcomer)](const auto& entry) {
     const auto age = std::numeric_limits<std::uint64_t>::max() - entry.second.front()->id();
     return std::pair(entry.second.size() + (entry.first == own), age);
   };
@@ -263,6 +285,7 @@ void Server::Impl::notify_handler() {
 void Server::Impl::begin_shutdown() {
   if (std::exchange(stopping_, true)) return;
   listener_.close();
+  if (local_) local_->close();
   if (http_) http_->close();
   for (auto& [id, session] : sessions_) session->close(CloseReason::kShutdown);
 }
@@ -359,6 +382,7 @@ std::uint16_t Server::http_port() const {
 
 void Server::start() {
   impl_->listener_.start();
+  if (impl_->local_) impl_->local_->start();
   if (impl_->http_) impl_->http_->start();
 }
 

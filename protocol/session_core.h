@@ -1,4 +1,4 @@
-// One session without its socket: hello, requests, deadlines, bounded queue. A transport (tcp_session.h,
+// One session without its socket: hello, requests, deadlines, bounded queue. A transport (stream_session.h,
 // web_session.h, or a test) derives from it, feeds it with bytes and writes what it queued. It has no socket,
 // no clock and no thread: everything is called on the server's one thread, and SessionContext gives the time.
 // Owned by the server.

@@ -45,7 +45,7 @@ class WebSession final : public WireSession {
  public:
   WebSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
              const asio::ip::tcp::endpoint& peer, UpgradePointer upgrade)
-      : WireSession(context, owner, id, peer),
+      : WireSession(context, owner, id, peer.address(), to_text(peer)),
         stream_(std::move(upgrade->stream)),
         request_(std::move(upgrade->request)) {
     set_socket_options(socket());
@@ -72,8 +72,13 @@ class WebSession final : public WireSession {
   }
 
  private:
-  Socket& socket() override { return stream_.next_layer().socket(); }
-  const Socket& socket() const override { return stream_.next_layer().socket(); }
+  asio::ip::tcp::socket& socket() { return stream_.next_layer().socket(); }
+  bool is_open() const override { return stream_.next_layer().socket().is_open(); }
+  void close_socket() override {
+    error_code ignored;
+    socket().close(ignored);
+  }
+  asio::any_io_executor executor() override { return socket().get_executor(); }
   void read() override;
   void flush() override;
 

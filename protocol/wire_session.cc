@@ -33,8 +33,8 @@ asio::ip::address unmapped(const asio::ip::address& address) {
 }
 
 WireSession::WireSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
-                         const asio::ip::tcp::endpoint& peer)
-    : SessionCore(context, id, to_text(peer)), owner_(owner), address_(peer.address()) {}
+                         const asio::ip::address& address, const std::string& peer)
+    : SessionCore(context, id, peer), owner_(owner), address_(address) {}
 
 void WireSession::wake() {
   if (!std::exchange(woken_, true)) owner_.woken(*this);
@@ -69,7 +69,7 @@ void WireSession::proceed() {
   }
   if (std::exchange(turn_posted_, true)) return;
   ++operations_;
-  asio::post(socket().get_executor(), [this] {
+  asio::post(executor(), [this] {
     --operations_;
     turn_posted_ = false;
     if (!is_open()) return wake();
@@ -89,8 +89,7 @@ void WireSession::lost() {
 }
 
 void WireSession::hang_up() {
-  error_code ignored;
-  socket().close(ignored);
+  close_socket();
   wake();
 }
 

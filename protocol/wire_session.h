@@ -1,6 +1,6 @@
 // A session with a transport below it. The server holds each client as one of these, whether its bytes come
-// over plain TCP (tcp_session.h) or in WebSocket messages (web_session.h). Owned by the server and used on
-// its thread. Internal to the server, because it knows Asio.
+// over a plain stream (stream_session.h) or in WebSocket messages (web_session.h). Owned by the server and
+// used on its thread. Internal to the server, because it knows Asio.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -23,12 +23,11 @@ class SessionOwner {
 
 class WireSession : public SessionCore {
  public:
-  using Socket = boost::asio::ip::tcp::socket;
-
   // The session must outlive its pending operations. Destroy it only when finished() is true, or when its
   // io_context runs no more handlers.
+  // `peer` is the client's place as a text for logs.
   WireSession(SessionContext& context, SessionOwner& owner, std::uint64_t id,
-              const boost::asio::ip::tcp::endpoint& peer);
+              const boost::asio::ip::address& address, const std::string& peer);
 
   const boost::asio::ip::address& address() const { return address_; }
 
@@ -41,11 +40,11 @@ class WireSession : public SessionCore {
   bool finished() const { return !is_open() && operations_ == 0; }
 
  protected:
-  virtual Socket& socket() = 0;
-  virtual const Socket& socket() const = 0;
+  virtual bool is_open() const = 0;  // the socket
+  virtual void close_socket() = 0;
+  virtual boost::asio::any_io_executor executor() = 0;
   virtual void read() = 0;
 
-  bool is_open() const { return socket().is_open(); }
   void wake() override;
   std::string refuse_place(Role role) const override { return owner_.refuse_place(*this, role); }
   void proceed();         // handles the frames that have arrived, then reads on

@@ -2,11 +2,13 @@
 import os
 import pathlib
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 import urllib.request
 
 from programs import ARM, BIN, DEADLINE_S
@@ -41,6 +43,9 @@ class Launch(unittest.TestCase):
             self.assertEqual(urllib.request.urlopen(client.page, timeout=DEADLINE_S).status, 200)
             with visum.Client(client.address, role="observer") as other:
                 self.assertEqual(other.part_names(), ["arm"])
+                self.assertEqual(other.connection._socket.family, socket.AF_UNIX)
+            with unittest.mock.patch.dict(os.environ, VISUM_LOCAL="another"), visum.Client(client.address) as stranger:
+                self.assertEqual(stranger.connection._socket.family, socket.AF_INET)
             pid = client._daemon._process.pid
         self.assertTrue(is_gone(pid))
         self.assertIn("ended at tick", client.log)

@@ -10,7 +10,8 @@ import { bin, source } from "./programs.mjs";
 const kHand = "arm/link_7";
 const field = (page, axis) => page.getByRole("spinbutton", { name: new RegExp(`^${axis} of the tool`) });
 const place = (page) => page.evaluate(() => ["x", "y", "z"].map((axis) => Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value)));
-// Waits until the tool is at a place, within a millimetre. Where it does not come, the error tells what the page has said.
+// Waits until the tool is at a place, within a millimetre. Where it does not come, the error tells what the
+// page has said.
 const arrives = (page, wanted) =>
   until(page, (goal) => ["x", "y", "z"].every((axis, i) => Math.abs(Number(document.querySelector(`[aria-label^="${axis} of the tool"]`).value) - goal[i]) < 1e-3), wanted).catch(async (error) => {
     throw new Error(`the tool is at ${await place(page)}, not at ${wanted}; the page has said ${await page.evaluate(() => JSON.stringify(window.told))}`, { cause: error });

@@ -61,6 +61,22 @@ def _secure(plain: socket.socket, address: str, files: TlsFiles) -> socket.socke
         raise Error(ErrorCode.UNAUTHENTICATED, f"TLS with {address}: {error}") from error
 
 
+def _dial_locally(address: str) -> socket.socket | None:
+    """Connects to the Unix socket beside the port, where the server is a program of the same run (protocol/local_socket.h)."""
+    host, port = parse_address(address)
+    word = os.environ.get("VISUM_LOCAL")
+    if not word or host not in ("127.0.0.1", "localhost", "::1"):
+        return None
+    connection = socket.socket(socket.AF_UNIX)
+    try:
+        connection.connect(f"\0visum-{word}-{port}")
+    except OSError:  # nothing listens there
+        connection.close()
+        return None
+    connection.settimeout(5.0)  # for the handshake
+    return connection
+
+
 def _set_options(connection: socket.socket) -> None:
     """Makes frames leave at once, and finds a server that vanished silently after about 4 s: by probes while we send nothing,
     else by the time without an acknowledgement."""
@@ -126,9 +142,11 @@ class Connection:
         self._socket.settimeout(None)
 
     def _say_hello(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles) -> pb.Welcome:
-        self._socket = _connect(address, patience_s)
+        local = None if self._secure else _dial_locally(address)
+        self._socket = local or _connect(address, patience_s)
         try:
-            _set_options(self._socket)
+            if not local:
+                _set_options(self._socket)
             if self._secure:
                 self._socket = _secure(self._socket, address, tls)
             return self.request(hello=hello).welcome

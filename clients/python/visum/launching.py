@@ -107,6 +107,8 @@ class _Daemon:
     """The process, its first line of output and its log."""
 
     def __init__(self, command: Sequence[str], patience_s: float) -> None:
+        # The daemon and all clients in programs that we start meet on a Unix socket (protocol/local_socket.h)
+        os.environ.setdefault("VISUM_LOCAL", os.urandom(16).hex())
         self._log = tempfile.TemporaryFile(prefix="visum-")
         weakref.finalize(self, self._log.close)
         try:

@@ -9,6 +9,7 @@
 #include "clients/visum/common/exit_code.h"
 #include "clients/visum/common/format.h"
 #include "protocol/config/config.h"
+#include "protocol/local_socket.h"
 
 namespace visum::run {
 namespace {
@@ -111,6 +112,7 @@ Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_l
   // is not the service either that a service manager waits for.
   for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY", "NOTIFY_SOCKET"})
     ::unsetenv(variable);
+  protocol::share_local_sockets();
   try {
     const auto note_ready = [this](const std::string& line) {
       if (ready_line_.empty()) ready_line_ = line;

@@ -1,4 +1,4 @@
-// A session of the server whose socket is a simulated connection, with the rules of protocol/tcp_session.h.
+// A session of the server whose socket is a simulated connection, with the rules of stream_session.h.
 #pragma once
 
 #include <memory>

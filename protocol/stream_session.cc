@@ -1,4 +1,4 @@
-#include "protocol/tcp_session.h"
+#include "protocol/stream_session.h"
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
@@ -16,28 +16,36 @@ constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 
 }  // namespace
 
-TcpSession::TcpSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
-                       const asio::ip::tcp::endpoint& peer, const TlsContext* tls)
-    : WireSession(context, owner, id, peer), socket_(std::move(socket)) {
-  set_socket_options(socket_);
+StreamSession::StreamSession(SessionContext& context, SessionOwner& owner, asio::ip::tcp::socket socket,
+                             std::uint64_t id, const asio::ip::tcp::endpoint& peer, const TlsContext* tls)
+    : WireSession(context, owner, id, peer.address(), to_text(peer)),
+      socket_((set_socket_options(socket), std::move(socket))) {
   if (!tls) return;
   tls_ = std::make_unique<TlsStream>(*tls);
   ciphered_.resize(kCipheredBytes);
 }
 
-std::string TcpSession::identity() const {
+StreamSession::StreamSession(SessionContext& context, SessionOwner& owner,
+                             asio::local::stream_protocol::socket socket, std::uint64_t id)
+    : WireSession(context, owner, id, asio::ip::address_v4::loopback(), "a Unix socket"),
+      socket_(std::move(socket)) {
+  error_code ignored;  // as in set_socket_options()
+  socket_.non_blocking(true, ignored);
+}
+
+std::string StreamSession::identity() const {
   return tls_ ? tls_->peer_name() : std::string();
 }
 
 // A session that the server refused at once writes the reason before it reads anything.
-void TcpSession::start() {
+void StreamSession::start() {
   if (!closing()) read();
 }
 
 // ----------------------------------------------------------------------------------------------------
 // reading
 
-void TcpSession::read() {
+void StreamSession::read() {
   if (reading_ || !socket_.is_open()) return;
   const auto space = space_for_network();
   if (space.empty()) return;  // closed, for want of memory
@@ -46,7 +54,7 @@ void TcpSession::read() {
   // Bytes are left to decipher. They wait for a turn of their own: other sessions come first, and
   // take_plain() does not call itself.
   if (tls_ && !fed_dry_ && !closing() && !lingering_)
-    return asio::post(socket_.get_executor(), [this] {
+    return asio::post(executor(), [this] {
       --operations_;
       reading_ = false;
       if (!socket_.is_open()) return wake();
@@ -61,7 +69,7 @@ void TcpSession::read() {
                           });
 }
 
-void TcpSession::on_read(const error_code& error, std::size_t bytes) {
+void StreamSession::on_read(const error_code& error, std::size_t bytes) {
   context().handler.on_bytes();
   if (!socket_.is_open()) return wake();
   if (error == asio::error::eof) return stream_ended();
@@ -72,17 +80,17 @@ void TcpSession::on_read(const error_code& error, std::size_t bytes) {
   proceed();
 }
 
-void TcpSession::stream_ended() {
+void StreamSession::stream_ended() {
   peer_gone_ = true;
   if (lingering_) return hang_up();
   peer_closed();
 }
 
-std::span<std::byte> TcpSession::space_for_network() {
+std::span<std::byte> StreamSession::space_for_network() {
   return tls_ ? std::span(ciphered_) : room();
 }
 
-void TcpSession::decipher(std::size_t bytes) {
+void StreamSession::decipher(std::size_t bytes) {
   const std::span<const std::byte> fresh = std::span(ciphered_).first(bytes);
   if (!fed_ && !looks_like_tls(fresh)) {
     tls_.reset();
@@ -95,7 +103,7 @@ void TcpSession::decipher(std::size_t bytes) {
   take_plain();
 }
 
-void TcpSession::take_plain() {
+void StreamSession::take_plain() {
   const auto space = room();
   if (space.empty()) return;
   const std::size_t bytes = tls_->read(space);
@@ -107,7 +115,7 @@ void TcpSession::take_plain() {
   proceed();
 }
 
-void TcpSession::tls_failed() {
+void StreamSession::tls_failed() {
   log(LogLevel::kWarning, peer() + " is refused: " + tls_->failure());
   context().refused.fetch_add(1, std::memory_order_relaxed);
   if (!awaits_hello()) return close(CloseReason::kRefused);
@@ -117,7 +125,7 @@ void TcpSession::tls_failed() {
 }
 
 // Closing with unread input would reset the connection, and the reset may overtake the reason that was sent.
-void TcpSession::discard(std::size_t bytes) {
+void StreamSession::discard(std::size_t bytes) {
   discarded_ += bytes;
   if (discarded_ > kMaxDiscarded) return hang_up();
   in().clear();
@@ -127,7 +135,7 @@ void TcpSession::discard(std::size_t bytes) {
 // ----------------------------------------------------------------------------------------------------
 // writing
 
-void TcpSession::flush() {
+void StreamSession::flush() {
   if (lingering_ && close_reason() == CloseReason::kShutdown) return hang_up();
   if (blocked_ || lingering_ || !socket_.is_open()) return;
   for (auto bytes = bytes_for_network(); !bytes.empty(); bytes = bytes_for_network()) {
@@ -141,7 +149,7 @@ void TcpSession::flush() {
 }
 
 // With TLS the core's next batch is ciphered only after the one before has left: one record waits at most.
-std::span<const std::byte> TcpSession::bytes_for_network() {
+std::span<const std::byte> StreamSession::bytes_for_network() {
   if (!tls_) return out().empty() ? std::span<const std::byte>() : out().front();
   if (const auto pending = tls_->pending(); !pending.empty()) return pending;
   if (!out().empty()) out().written(tls_->write(out().front()));
@@ -149,7 +157,7 @@ std::span<const std::byte> TcpSession::bytes_for_network() {
   return tls_->pending();
 }
 
-void TcpSession::wait_until_writable() {
+void StreamSession::wait_until_writable() {
   blocked_ = true;
   blocked_since_ = context().now;
   ++operations_;
@@ -162,7 +170,7 @@ void TcpSession::wait_until_writable() {
   });
 }
 
-void TcpSession::written_out() {
+void StreamSession::written_out() {
   if (handshake_failed_ && !closing()) return linger();
   if (!closing()) return proceed_if_due();
   if (peer_gone_ || close_reason() != CloseReason::kRefused) return hang_up();
@@ -174,7 +182,7 @@ void TcpSession::written_out() {
 // ----------------------------------------------------------------------------------------------------
 // ending
 
-void TcpSession::linger() {
+void StreamSession::linger() {
   lingering_ = true;
   lingering_since_ = context().now;
   in().clear();
@@ -184,11 +192,11 @@ void TcpSession::linger() {
 // A refused TLS client gets as long as one that says nothing at all. Our side stays open meanwhile: the alert
 // has ended the stream already, and Chromium forgets the alert if it finds the connection ended before its
 // request.
-std::chrono::milliseconds TcpSession::linger_bound() {
+std::chrono::milliseconds StreamSession::linger_bound() {
   return handshake_failed_ ? context().limits.hello_deadline : kLinger;
 }
 
-void TcpSession::sweep() {
+void StreamSession::sweep() {
   if (!socket_.is_open()) return;
   if (lingering_) {
     if (over(lingering_since_, linger_bound())) hang_up();
@@ -198,7 +206,12 @@ void TcpSession::sweep() {
   if (blocked_ && over(blocked_since_, context().limits.stall_deadline)) return lost();
 }
 
-void TcpSession::let_go() {
+void StreamSession::close_socket() {
+  error_code ignored;
+  socket_.close(ignored);
+}
+
+void StreamSession::let_go() {
   flush();
   if (socket_.is_open()) hang_up();
 }

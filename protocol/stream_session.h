@@ -1,9 +1,11 @@
-// A session on its TCP socket, in plain text or over TLS. It reads into the core, writes what the core
-// queued, and lingers after a refusal so that the client can read the reason. Lives on the server's thread,
-// and the server owns it. A socket error or a missed deadline ends the session; nothing throws. Internal to
-// the server.
+// A session on its socket: TCP, in plain text or over TLS, or a Unix socket. It reads into the core, writes
+// what the core queued, and lingers after a refusal so that the client can read the reason. Lives on the
+// server's thread, and the server owns it. A socket error or a missed deadline ends the session; nothing
+// throws. Internal to the server.
 #pragma once
 
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <memory>
 #include <vector>
 
@@ -12,11 +14,16 @@
 
 namespace visum::protocol {
 
-class TcpSession final : public WireSession {
+class StreamSession final : public WireSession {
  public:
+  using Socket = boost::asio::generic::stream_protocol::socket;
+
   // `tls` is null for plain text. Otherwise it must outlive the session.
-  TcpSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
-             const boost::asio::ip::tcp::endpoint& peer, const TlsContext* tls);
+  StreamSession(SessionContext& context, SessionOwner& owner, boost::asio::ip::tcp::socket socket,
+                std::uint64_t id, const boost::asio::ip::tcp::endpoint& peer, const TlsContext* tls);
+  // A program on this machine, which counts as one that came from 127.0.0.1.
+  StreamSession(SessionContext& context, SessionOwner& owner,
+                boost::asio::local::stream_protocol::socket socket, std::uint64_t id);
 
   std::string identity() const override;
 
@@ -25,8 +32,9 @@ class TcpSession final : public WireSession {
   void let_go() override;
 
  private:
-  Socket& socket() override { return socket_; }
-  const Socket& socket() const override { return socket_; }
+  bool is_open() const override { return socket_.is_open(); }
+  void close_socket() override;
+  boost::asio::any_io_executor executor() override { return socket_.get_executor(); }
   void read() override;
   void flush() override;
 

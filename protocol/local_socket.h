@@ -1,0 +1,30 @@
+// The Unix sockets on which programs of one run meet. `visum run` puts a secret word into the environment of
+// all programs that it starts, as VISUM_LOCAL. A server with that word listens on a socket named by the word
+// and its TCP port, beside that port; a client with it, which connects to this machine in plain text, tries
+// that socket first. A message takes a quarter of the time that it takes over TCP, and its bytes are the
+// same. Names are in Linux's abstract namespace, which reaches as far as 127.0.0.1 does, and leaves no files.
+// Any thread. Source: unix(7).
+#pragma once
+
+#include <sys/un.h>
+
+#include <cstdint>
+#include <string>
+
+namespace visum::protocol {
+
+inline constexpr const char* kLocalVariable = "VISUM_LOCAL";
+
+// The name of the socket beside a TCP port; empty where the environment holds no word.
+std::string local_socket_name(std::uint16_t port);
+
+struct LocalAddress {
+  sockaddr_un address{};
+  unsigned size = 0;  // bytes of it in use
+};
+LocalAddress local_address(const std::string& name);
+
+// Puts a new random word into the environment, unless it holds one. Call it before other threads begin.
+void share_local_sockets();
+
+}  // namespace visum::protocol
