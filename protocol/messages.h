@@ -128,6 +128,7 @@ struct Advance {
   std::uint64_t bus_said = 0;
   std::vector<Stream> streams{};
   std::uint32_t members = 0;
+  bool answer_may_wait = false;
 };
 struct Leave {};
 struct Note {

@@ -37,6 +37,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr std::size_t kMaxLeaving = 64;   // refused sessions that linger; further ones are cut off
+constexpr milliseconds kNothingToDo{1};   // a wait after which sessions get what they hold back
 constexpr std::size_t kSpareEvents = 16;  // handled per poll(), beyond one for each session
 
 // Fine enough for the shortest deadline, and rare enough to cost nothing.
@@ -94,7 +95,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   void arm_sweep();
   void sweep();
 
-  enum class Held { kStay, kLeave };  // sessions that hold() their queue: leave them alone, or write
+  enum class Held { kStay, kLeave };  // sessions that hold back: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
   bool wait(std::chrono::nanoseconds at_most);  // false: nothing came
@@ -320,13 +321,13 @@ void Server::Impl::sweep() {
 // else.
 void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
-  if (held == Held::kLeave && woken_.size() > 1)
+  if (woken_.size() > 1)
     std::ranges::stable_sort(woken_, {}, [](const WireSession* session) { return session->bytes_to_send(); });
   bool any_closed = false;
   std::size_t stayed = 0;
   for (std::size_t i = 0; i < woken_.size(); ++i) {
     WireSession& session = *woken_[i];
-    if (held == Held::kStay && session.held()) {
+    if (held == Held::kStay && session.held_back()) {
       woken_[stayed++] = &session;
       continue;
     }
@@ -348,11 +349,14 @@ std::size_t Server::Impl::run_handlers(Run run) {
   }
 }
 
-// Waits for the next event, and handles it.
+// Waits for the next event, and handles it. What is held back leaves if there is none soon.
 bool Server::Impl::wait(std::chrono::nanoseconds at_most) {
   const auto is_there = [&] { return run_handlers([](auto& io) { return io.poll_one(); }) > 0; };
-  return busy_wait_.find(is_there, at_most) ||
-         run_handlers([&](auto& io) { return io.run_one_for(at_most); }) > 0;
+  if (busy_wait_.find(is_there, at_most)) return true;
+  const auto bound = woken_.empty() ? at_most : std::min<std::chrono::nanoseconds>(at_most, kNothingToDo);
+  if (run_handlers([&](auto& io) { return io.run_one_for(bound); }) > 0) return true;
+  settle();
+  return false;
 }
 
 // Bounded, so that no client can keep the caller here.
@@ -397,8 +401,8 @@ bool Server::poll() {
 }
 
 void Server::poll_for(std::chrono::nanoseconds at_most) {
-  impl_->settle();
   const bool waits = at_most.count() > 0;
+  impl_->settle(waits ? Impl::Held::kStay : Impl::Held::kLeave);
   if (waits && !impl_->wait(at_most)) return;
   impl_->settle(Impl::Held::kStay);
   const bool others =
@@ -407,7 +411,7 @@ void Server::poll_for(std::chrono::nanoseconds at_most) {
 }
 
 void Server::write() {
-  impl_->settle();
+  impl_->settle(Impl::Held::kStay);
 }
 
 void Server::stop() {

@@ -48,9 +48,10 @@ class Session {
   // True while no sample of this stream waits to be written. If false, the sender can save itself the
   // encoding.
   virtual bool ready_for(std::uint32_t stream) const = 0;
-  // Allows what is queued now to leave together with what follows, at the server's next write() or poll_for()
-  // at the latest.
-  virtual void hold() {}
+  // While on, replies may wait for those that follow, so that all leave together. They leave after 10 ms in
+  // any case, once the server has waited for a millisecond in vain, with the next sample or event, and if the
+  // session is behind().
+  virtual void hold_back(bool) {}
   // Writes a line about this client to the log, at most 20 a second (client_log.h). Clients that have not
   // said Hello share that with all others from their address.
   virtual void log(LogLevel level, const std::string& text) = 0;
@@ -97,9 +98,9 @@ class Server {
   std::uint16_t http_port() const;  // 0: no HTTP
   void start();                     // begins to accept
   void run();                       // returns after stop(); for a thread of its own (clock realtime)
-  // Handles what is ready, bounded. True if there was anything. Leaves alone what sessions hold().
+  // Handles what is ready, bounded. True if there was anything. Writes as write() does.
   bool poll();
-  void write();  // sends what is queued and reads nothing
+  void write();  // sends what is queued and not held back; reads nothing
   // Waits until something is ready and handles it. The wait is rounded up to whole milliseconds.
   void poll_for(std::chrono::nanoseconds at_most);
   // Closes all sessions once their queued replies are sent. Any thread. run() then returns; a caller of

@@ -16,6 +16,7 @@ namespace {
 constexpr int kRequestsPerTurn = 64;            // then other sessions have their turn
 constexpr std::size_t kIdleBytes = 16u << 10;   // receive buffer between frames
 constexpr std::size_t kHelloBufferBytes = 512;  // receive buffer before the hello
+constexpr std::chrono::milliseconds kLongestHoldBack{10};
 
 constexpr const char* kNoMemory =
     "not enough memory is left for this request: the limit (ulimit -v, or the container's) is reached";
@@ -48,11 +49,23 @@ void SessionCore::send(std::uint64_t reply_to, const Reply& reply) {
     return close(CloseReason::kLost);
   }
   owes_room_ = owes_room_ || behind();
+  if (reply_to == 0) end_hold();
   wake();
+}
+
+void SessionCore::hold_back(bool on) {
+  if (!on) end_hold();
+  if (on && !held_back_since_) held_back_since_ = std::chrono::steady_clock::now();
+}
+
+bool SessionCore::held_back() const {
+  return held_back_since_ && phase_ == Phase::kOpen && !owes_room_ &&
+         std::chrono::steady_clock::now() - *held_back_since_ < kLongestHoldBack;
 }
 
 bool SessionCore::send_latest(std::uint32_t stream, const Reply& sample) {
   if (phase_ != Phase::kOpen) return true;
+  end_hold();
   wake();
   return out_.push_latest(stream, sample, context_.limits.max_frame_to_client);
 }

@@ -41,7 +41,7 @@ class SessionCore : public Session {
   bool behind() const override;
   bool send_latest(std::uint32_t stream, const Reply& sample) override;
   bool ready_for(std::uint32_t stream) const override { return !out_.has_waiting(stream); }
-  void hold() override { held_ = phase_ == Phase::kOpen; }
+  void hold_back(bool on) override;
   void log(LogLevel level, const std::string& text) override;
   void close(CloseReason reason) override;
 
@@ -51,7 +51,7 @@ class SessionCore : public Session {
   bool awaits_hello() const { return phase_ == Phase::kHello; }
   bool closing() const { return phase_ == Phase::kClosing; }
   std::size_t bytes_to_send() const { return out_.bytes(); }
-  bool held() const { return held_ && phase_ == Phase::kOpen && !owes_room_; }
+  bool held_back() const;
   CloseReason close_reason() const { return reason_; }
 
   // Tells the handler once that the session was closed, outside of the call that closed it.
@@ -65,7 +65,7 @@ class SessionCore : public Session {
     kNone,    // closing
   };
 
-  void end_hold() { held_ = false; }
+  void end_hold() { held_back_since_.reset(); }
   // There is no memory for this session's bytes: gives back what it holds, tells the peer and closes.
   void out_of_memory();
   // Room for the bytes that come next; empty, and the session is closed: there is no memory.
@@ -119,7 +119,7 @@ class SessionCore : public Session {
   bool granted_ = false;
   bool told_ = false;
   bool owes_room_ = false;
-  bool held_ = false;
+  std::optional<std::chrono::steady_clock::time_point> held_back_since_;
   const ServedTime opened_;
   std::optional<ServedTime> frame_began_;
   FrameBuffer in_;

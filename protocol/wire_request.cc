@@ -97,6 +97,7 @@ struct PutRequest : PutScenarioRequest {
     w.set_bus_said(m.bus_said);
     put_streams(m.streams, w.mutable_streams());
     w.set_members(m.members);
+    w.set_answer_may_wait(m.answer_may_wait);
   }
   void operator()(const Leave&) const { to.mutable_leave(); }
   void operator()(const Note& m) const { to.mutable_note()->set_text(m.text); }
@@ -305,8 +306,9 @@ bool take_placing_request(const v1::ClientMessage& from, Request& to) {
 bool take_world_request(const v1::ClientMessage& from, Request& to) {
   switch (from.request_case()) {
     case v1::ClientMessage::kAdvance:
-      to = Advance{from.advance().ticks(), from.advance().follow_buses(), from.advance().bus_said(),
-                   streams_of(from.advance().streams()), from.advance().members()};
+      to = Advance{from.advance().ticks(),    from.advance().follow_buses(),
+                   from.advance().bus_said(), streams_of(from.advance().streams()),
+                   from.advance().members(),  from.advance().answer_may_wait()};
       return true;
     case v1::ClientMessage::kLeave:
       to = Leave{};

@@ -12,9 +12,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kIdle{20};          // how soon stop() is noticed while no tick is due
 constexpr std::chrono::milliseconds kPaceLook{1};       // sessions of a paced lockstep are served that often
 constexpr std::chrono::microseconds kTickingLook{100};  // and those of a world that ticks as fast as it can
-// A reply that waits for what follows it goes alone after this time.
-constexpr std::chrono::milliseconds kLongestHold{1};
-constexpr std::chrono::seconds kFarewell{2};  // for clients that read their last frames slowly
+constexpr std::chrono::seconds kFarewell{2};            // for clients that read their last frames slowly
 // The relief shows a copy of the world. It is made before each tick where ticks take so long that a copy
 // costs nothing. Otherwise it may be a little older.
 constexpr std::chrono::milliseconds kSlowTick{1}, kOldCopy{50};
@@ -171,13 +169,9 @@ void InlineLoop::run() {
   auto& server = doors_.server;
   fresh_copy();  // for a first tick that takes long
   Relief relief(duties_of_relief());
-  auto now = Clock::now(), polled = now - kTickingLook, written = now;
+  auto now = Clock::now(), polled = now - kTickingLook;
   while (!doors_.ended()) {
     if (now - polled >= kTickingLook) {
-      if (now - written >= kLongestHold) {
-        server.write();
-        written = now;
-      }
       server.poll();
       polled = now;
     }
@@ -200,11 +194,10 @@ void InlineLoop::run() {
       if (before_tick == tick_side.version() && !doors_.has_something_to_send()) continue;
       gateway.serve();
       server.write();
-      written = now;
     } else {
       gateway.serve();
       await_sessions();
-      now = polled = written = Clock::now();
+      now = polled = Clock::now();
     }
   }
   if (doors_.profile) doors_.profile->enter(config::Profile::kEnd);

@@ -91,6 +91,7 @@ void Lockstep::handle(const Call& call, const protocol::Advance& request) {
     member->granted_tick += request.ticks;
   member->waited_since.reset();
   member->advance = call.id;
+  member->answer_may_wait = request.answer_may_wait;
   member->note.clear();
   if (request.follow_buses) member->follows = {request.bus_said, request.streams, false};
   call.client.waiting = true;
@@ -98,7 +99,7 @@ void Lockstep::handle(const Call& call, const protocol::Advance& request) {
   mailbox_.wake();
   answer(*member, now);
   // Replies to the writes before it may leave together with its own.
-  if (member->advance) call.session.hold();
+  if (member->advance) call.session.hold_back(true);
 }
 
 void Lockstep::handle(const Call& call, const protocol::Leave&) {
@@ -180,6 +181,7 @@ void Lockstep::answer(Member& member, const Published& now) {
     client.session->send(*member.advance, protocol::Error{ErrorCode::kFrozen, now.fault, {}});
   else if (*member.advance != 0)
     client.session->send(*member.advance, advanced(member, now));
+  client.session->hold_back(member.answer_may_wait && now.fault.empty());
   member.advance.reset();
   member.follows.reset();
   member.after.reset();

@@ -31,6 +31,7 @@ struct Member {
   std::string client;
   std::int64_t granted_tick = 0;                  // it lets the world run up to here
   std::optional<std::uint64_t> advance;           // id of the Advance that waits to be answered
+  bool answer_may_wait = false;                   // says that Advance
   std::chrono::nanoseconds timeout{};             // 0: none
   std::optional<Clock::time_point> waited_since;  // the world waits for it
   std::optional<Follows> follows;                 // of the Advance that waits

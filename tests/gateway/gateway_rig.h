@@ -34,12 +34,14 @@ class NotedSession final : public protocol::Session {
   bool behind() const override { return replies.size() >= room; }
   bool send_latest(std::uint32_t, const protocol::Reply&) override { return true; }
   bool ready_for(std::uint32_t) const override { return true; }
+  void hold_back(bool on) override { holds_back = on; }
   void log(protocol::LogLevel, const std::string&) override {}
   void close(protocol::CloseReason) override {}
 
   std::vector<std::pair<std::uint64_t, protocol::Reply>> replies;
   std::vector<protocol::Event> events;
   std::size_t room = ~std::size_t{0};  // replies
+  bool holds_back = false;
 
  private:
   const std::uint64_t id_;

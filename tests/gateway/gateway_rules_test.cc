@@ -178,5 +178,25 @@ TEST(MissedDeadline, LeavesNothingBehindThatNeverCameIntoForce) {
   rig.answer<Ok>(next, Write{"arm", left, {before}, 0});
 }
 
+TEST(Replies, OfStepsThatWereSentAheadMayLeaveTogether) {
+  GatewayRig rig(ClockKind::kLockstep);
+  auto& client = rig.connect("client");
+  rig.answer<Advanced>(client, Join{});
+  const auto step = [&](bool may_wait) {
+    rig.ask(client, Advance{1, false, 0, {}, 0, may_wait});
+    EXPECT_TRUE(client.holds_back) << "replies before it wait for its own";
+    rig.ask(client, Read{"arm"});
+    const auto before = client.replies.size();
+    rig.tick();
+    rig.tell();
+    EXPECT_EQ(client.replies.size(), before + 2);
+    return client.holds_back;
+  };
+  EXPECT_TRUE(step(true));
+  EXPECT_TRUE(step(true));
+  EXPECT_FALSE(step(false));
+  EXPECT_FALSE(step(false));
+}
+
 }  // namespace
 }  // namespace visum::gateway

@@ -172,7 +172,7 @@ Samples<Request> sample_requests() {
                     OnTimeout::kFree,
                     Gate{"arm", "poller", 20'000'000, 3, {std::byte{0x0B}, std::byte{0x10}}},
                     {"arm", "gripper"}}},
-      {"advance", Advance{10, true, 77, {{40123, 1'234'567'890'123, 17}}, 4}},
+      {"advance", Advance{10, true, 77, {{40123, 1'234'567'890'123, 17}}, 4, true}},
       {"leave", Leave{}},
       {"describe_world", DescribeWorld{}},
       {"read_world", ReadWorld{}},

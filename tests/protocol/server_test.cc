@@ -137,30 +137,81 @@ TEST_F(Serving, ThousandsOfRequestsAtOnceAreAllAnswered) {
   }));
 }
 
-TEST_F(Serving, WhatIsHeldLeavesWithWhatFollowsItOrAtTheNextWait) {
-  RawClient client(port());
-  auto& session = greet(client);
-  handler.answer = [](Session& to, std::uint64_t id, const Request&) {
-    to.send(id, Ok{});
-    to.hold();
-  };
-  const auto ask = [&](std::uint64_t id) {
-    client.send(id, Status{});
+// A client whose answers are held back.
+class HoldingBack : public Serving {
+ protected:
+  HoldingBack() {
+    handler.answer = [](Session& to, std::uint64_t id, const Request&) {
+      to.send(id, Ok{});
+      to.hold_back(true);
+    };
+  }
+  // In one packet: the kernel would send a second one only once the first is acknowledged.
+  void ask(std::initializer_list<std::uint64_t> ids) {
+    std::vector<std::byte> stream;
+    for (const auto id : ids) encode_request(id, Status{}, stream);
+    client.send(stream);
     const std::size_t before = handler.asked.size();
-    while (handler.asked.size() == before) server().poll();
-  };
-  ask(1);
-  EXPECT_FALSE(client.reply()) << "it is held";
-  session.send(2, Ok{});
+    while (handler.asked.size() < before + ids.size()) server().poll();
+  }
+  RawClient client{port()};
+  Session& session{greet(client)};
+};
+
+TEST_F(HoldingBack, WhatIsHeldBackLeavesWithWhatFollowsIt) {
+  ask({1, 2});
+  server().write();
   EXPECT_FALSE(client.reply());
+  session.hold_back(false);
+  session.send(3, Ok{});
+  server().write();
+  for (const std::uint64_t id : {1u, 2u, 3u}) EXPECT_EQ(next(client).reply_to, id);
+}
+
+TEST_F(HoldingBack, ItLeavesOnceTheServerHasNothingToDo) {
+  ask({1});
+  server().poll_for(std::chrono::seconds(10));
+  EXPECT_TRUE(client.reply()) << "a millisecond later";
+  ask({2});
+  server().poll_for(std::chrono::nanoseconds(0));
+  EXPECT_TRUE(client.reply()) << "it may not wait";
+}
+
+TEST_F(HoldingBack, ItLeavesAfterAMomentThoughTheServerIsBusy) {
+  ask({1});
+  EXPECT_TRUE(until([&] {
+    server().write();
+    return client.reply().has_value();
+  }));
+}
+
+TEST_F(HoldingBack, ItLeavesWhenTheSessionCloses) {
+  ask({1});
+  session.close(CloseReason::kGoodbye);
   server().write();
   EXPECT_EQ(next(client).reply_to, 1u);
-  EXPECT_EQ(next(client).reply_to, 2u);
-  ask(3);
-  server().poll();
-  EXPECT_FALSE(client.reply()) << "it is held";
-  server().poll_for(std::chrono::nanoseconds(0));
-  EXPECT_EQ(next(client).reply_to, 3u);
+}
+
+TEST_F(HoldingBack, SamplesAndEventsTakeItWithThem) {
+  ask({1});
+  session.send_latest(1, PartSample{"arm", 1, 0, 1, {}, {}, 0});
+  server().write();
+  EXPECT_TRUE(client.reply());
+  EXPECT_TRUE(client.reply()) << "one of both is the sample";
+  ask({2});
+  session.send(0, Event{"line", "text", {}, 0, 0});
+  server().write();
+  EXPECT_TRUE(client.reply());
+}
+
+TEST_F(HoldingBack, WhatIsTooMuchToWaitLeaves) {
+  handler.answer = [](Session& to, std::uint64_t id, const Request&) {
+    to.hold_back(true);
+    while (!to.behind()) to.send(id, Error{ErrorCode::kBusy, std::string(1000, 'x'), {}});
+  };
+  ask({1});
+  server().write();
+  EXPECT_TRUE(client.reply());
 }
 
 TEST_F(Serving, AFloodingClientDoesNotHoldPoll) {

@@ -10,6 +10,7 @@
 
 #include "clients/visum/exec/launch.h"
 #include "clients/visum/exec/scheduler.h"
+#include "protocol/local_socket.h"
 
 namespace visum::exec {
 namespace {
@@ -38,6 +39,7 @@ LockstepEnd run_in_lockstep(protocol::Connection connection, const LockstepPlan&
   add_buses(buses, channel);
   channel.set_session_port(plan.session_port);
   channel.export_to_environment();
+  ::unsetenv(protocol::kLocalVariable);  // the shim follows what the program sends over TCP
   const pid_t program = launch(plan.command, plan.placements);
   scheduler = std::make_unique<Scheduler>(
       channel, world, program, std::max<std::int64_t>(1, plan.period_ns / world.tick_ns()), plan.give_up);

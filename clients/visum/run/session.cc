@@ -93,7 +93,8 @@ void Session::send_steps(std::size_t count, std::int64_t ticks, const std::set<s
   const auto look = to_look(parts);
   std::vector<protocol::Request> requests;
   for (std::size_t i = 0; i < count; ++i) {
-    requests.push_back(protocol::Advance{ticks, false, 0, {}, members});
+    const bool is_last = i + 1 == count;
+    requests.push_back(protocol::Advance{ticks, false, 0, {}, members, !is_last});
     requests.insert(requests.end(), look.begin(), look.end());
   }
   const auto ids = connection_.send_together(requests);
