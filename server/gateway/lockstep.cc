@@ -98,8 +98,8 @@ void Lockstep::handle(const Call& call, const protocol::Advance& request) {
   start_asked_ = true;
   mailbox_.wake();
   answer(*member, now);
-  // Replies to the writes before it may leave together with its own.
-  if (member->advance) call.session.hold_back(true);
+  // Replies to the writes before it may leave together with its own. In real time that would delay them.
+  if (member->advance && world_.clock == scene::ClockKind::kLockstep) call.session.hold_back(true);
 }
 
 void Lockstep::handle(const Call& call, const protocol::Leave&) {
@@ -219,6 +219,7 @@ void Lockstep::end_advances(std::int64_t tick, const std::string& why) {
     if (!member.advance) continue;
     auto& client = clients_.at(member.session);
     client.session->send(*member.advance, protocol::Error{ErrorCode::kTimeout, why, {}});
+    client.session->hold_back(false);
     client.waiting = false;
     member.advance.reset();
     member.follows.reset();

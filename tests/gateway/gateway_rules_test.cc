@@ -198,5 +198,13 @@ TEST(Replies, OfStepsThatWereSentAheadMayLeaveTogether) {
   EXPECT_FALSE(step(false));
 }
 
+TEST(Replies, AreNotHeldBackInRealTime) {
+  GatewayRig rig(ClockKind::kRealtime);
+  auto& client = rig.connect("client");
+  rig.answer<Advanced>(client, Join{});
+  rig.ask(client, Advance{1});
+  EXPECT_FALSE(client.holds_back);
+}
+
 }  // namespace
 }  // namespace visum::gateway
