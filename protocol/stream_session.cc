@@ -4,6 +4,8 @@
 #include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
 
+#include "protocol/socket_options.h"
+
 namespace visum::protocol {
 namespace {
 
@@ -16,10 +18,17 @@ constexpr std::size_t kCipheredBytes = 16u << 10;  // about a record of TLS
 
 }  // namespace
 
+StreamSession::StreamSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
+                             const asio::ip::address& address, const std::string& peer)
+    : WireSession(context, owner, id, address, peer), socket_(std::move(socket)) {
+  error_code ignored;  // a socket that fails here fails again at the first read, where it is noticed
+  socket_.non_blocking(true, ignored);
+}
+
 StreamSession::StreamSession(SessionContext& context, SessionOwner& owner, asio::ip::tcp::socket socket,
                              std::uint64_t id, const asio::ip::tcp::endpoint& peer, const TlsContext* tls)
-    : WireSession(context, owner, id, peer.address(), to_text(peer)),
-      socket_((set_socket_options(socket), std::move(socket))) {
+    : StreamSession(context, owner, Socket(std::move(socket)), id, peer.address(), to_text(peer)) {
+  set_tcp_options(socket_.native_handle());
   if (!tls) return;
   tls_ = std::make_unique<TlsStream>(*tls);
   ciphered_.resize(kCipheredBytes);
@@ -27,11 +36,8 @@ StreamSession::StreamSession(SessionContext& context, SessionOwner& owner, asio:
 
 StreamSession::StreamSession(SessionContext& context, SessionOwner& owner,
                              asio::local::stream_protocol::socket socket, std::uint64_t id)
-    : WireSession(context, owner, id, asio::ip::address_v4::loopback(), "a Unix socket"),
-      socket_(std::move(socket)) {
-  error_code ignored;  // as in set_socket_options()
-  socket_.non_blocking(true, ignored);
-}
+    : StreamSession(context, owner, Socket(std::move(socket)), id, asio::ip::address_v4::loopback(),
+                    "a Unix socket") {}
 
 std::string StreamSession::identity() const {
   return tls_ ? tls_->peer_name() : std::string();

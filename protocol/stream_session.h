@@ -32,6 +32,9 @@ class StreamSession final : public WireSession {
   void let_go() override;
 
  private:
+  StreamSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
+                const boost::asio::ip::address& address, const std::string& peer);
+
   bool is_open() const override { return socket_.is_open(); }
   void close_socket() override;
   boost::asio::any_io_executor executor() override { return socket_.get_executor(); }
