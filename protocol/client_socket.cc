@@ -136,7 +136,7 @@ ClientSocket::ClientSocket(const std::string& host, std::uint16_t port, const Tl
 
 bool ClientSocket::connect_locally(const std::string& host, std::uint16_t port) {
   const std::string name = local_socket_name(port);
-  if (name.empty() || (host != "127.0.0.1" && host != "localhost" && host != "::1")) return false;
+  if (name.empty() || host != "127.0.0.1") return false;
   const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0) return false;
   const LocalAddress local = local_address(name);

@@ -37,9 +37,7 @@ void share_local_sockets() {
   if (!local_socket_name(0).empty()) return;
   std::array<std::uint64_t, 2> random{};
   if (::getrandom(random.data(), sizeof random, 0) != sizeof random) return;  // then all use TCP
-  std::string word;
-  for (const std::uint64_t number : random)
-    for (int shift = 60; shift >= 0; shift -= 4) word += "0123456789abcdef"[(number >> shift) & 15];
+  const std::string word = std::to_string(random[0]) + std::to_string(random[1]);
   ::setenv(kLocalVariable, word.c_str(), 1);
 }
 

@@ -149,7 +149,7 @@ Server::Impl::Impl(const ListenOptions& options, SessionHandler& handler)
   context_.step = sweep_period_;
   if (options_.web.pages)
     http_ = std::make_unique<HttpDoor>(io_, options_.address, options_.web, tls_.get(), context_, *this);
-  if (!tls_) open_local_door();
+  open_local_door();
   await_signal();
 }
 
@@ -166,7 +166,8 @@ void Server::Impl::admit(tcp::socket socket, const tcp::endpoint& peer) {
 
 void Server::Impl::open_local_door() {
   const std::string name = local_socket_name(listener_.port());
-  if (name.empty()) return;
+  const bool is_reached = options_.address == "127.0.0.1" || options_.address == "0.0.0.0";
+  if (name.empty() || tls_ || !is_reached) return;
   try {
     local_ = std::make_unique<LocalDoor>(
         io_, name, [this](LocalDoor::Socket socket) { admit_local(std::move(socket)); });
@@ -322,7 +323,9 @@ void Server::Impl::sweep() {
 void Server::Impl::settle(Held held) {
   if (woken_.empty()) return;
   if (woken_.size() > 1)
-    std::ranges::stable_sort(woken_, {}, [](const WireSession* session) { return session->bytes_to_send(); });
+    std::ranges::sort(woken_, {}, [](const WireSession* session) {
+      return std::pair(session->bytes_to_send(), session->id());
+    });
   bool any_closed = false;
   std::size_t stayed = 0;
   for (std::size_t i = 0; i < woken_.size(); ++i) {

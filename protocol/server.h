@@ -32,7 +32,7 @@ class Session {
   virtual ~Session() = default;
   virtual std::uint64_t id() const = 0;
   virtual const std::string& client_name() const = 0;  // "" before hello
-  virtual const std::string& peer() const = 0;         // "127.0.0.1:43210"
+  virtual const std::string& peer() const = 0;         // "127.0.0.1:43210", or "a Unix socket"
   virtual Role role() const = 0;
   // The name in the certificate that the client showed; "" if it showed none.
   virtual std::string identity() const { return {}; }
@@ -48,9 +48,9 @@ class Session {
   // True while no sample of this stream waits to be written. If false, the sender can save itself the
   // encoding.
   virtual bool ready_for(std::uint32_t stream) const = 0;
-  // While on, replies may wait for those that follow, so that all leave together. They leave after 10 ms in
-  // any case, once the server has waited for a millisecond in vain, with the next sample or event, and if the
-  // session is behind().
+  // While on, replies may wait for those that follow, so that all leave together. They leave after
+  // Limits::longest_hold_back in any case, once the server has waited for a millisecond in vain, with the
+  // next sample or event, and if the session is behind().
   virtual void hold_back(bool) {}
   // Writes a line about this client to the log, at most 20 a second (client_log.h). Clients that have not
   // said Hello share that with all others from their address.

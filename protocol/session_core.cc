@@ -16,7 +16,6 @@ namespace {
 constexpr int kRequestsPerTurn = 64;            // then other sessions have their turn
 constexpr std::size_t kIdleBytes = 16u << 10;   // receive buffer between frames
 constexpr std::size_t kHelloBufferBytes = 512;  // receive buffer before the hello
-constexpr std::chrono::milliseconds kLongestHoldBack{10};
 
 constexpr const char* kNoMemory =
     "not enough memory is left for this request: the limit (ulimit -v, or the container's) is reached";
@@ -60,7 +59,7 @@ void SessionCore::hold_back(bool on) {
 
 bool SessionCore::held_back() const {
   return held_back_since_ && phase_ == Phase::kOpen && !owes_room_ &&
-         std::chrono::steady_clock::now() - *held_back_since_ < kLongestHoldBack;
+         std::chrono::steady_clock::now() - *held_back_since_ < context_.limits.longest_hold_back;
 }
 
 bool SessionCore::send_latest(std::uint32_t stream, const Reply& sample) {

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 
-#include <atomic>
 #include <cstdlib>
 #include <string>
 #include <thread>
@@ -33,14 +32,26 @@ class LocalSocket : public ::testing::Test {
   }
   ~LocalSocket() override {
     ::unsetenv(kLocalVariable);
-    if (!server) return;
-    server->stop();
-    thread.join();
+    if (server) end();
   }
   void serve() {
     server = std::make_unique<Server>(options, handler);
     server->start();
     thread = std::thread([this] { server->run(); });
+  }
+  // At a port below those that the kernel hands out to others meanwhile, so that it can be had again.
+  void serve_at_a_port_of_ours() {
+    for (int port = 20'000; !server && port < 30'000; ++port) try {
+        options.port = static_cast<std::uint16_t>(port);
+        serve();
+      } catch (const std::runtime_error&) {  // it is taken
+      }
+    ASSERT_TRUE(server);
+  }
+  void end() {
+    server->stop();
+    thread.join();
+    server.reset();
   }
   Connection connect() { return Connection("127.0.0.1", server->port(), kHello, std::chrono::seconds(10)); }
   // Where a new client comes from, as the server sees it.
@@ -76,6 +87,13 @@ TEST_F(LocalSocket, ClientsOfAServerWithoutItUseTcp) {
   EXPECT_THAT(seen(), StartsWith("127.0.0.1:"));
 }
 
+TEST_F(LocalSocket, ServersOfOtherAddressesHaveNone) {
+  options.address = "::1";
+  serve();
+  Connection("::1", server->port(), kHello, std::chrono::seconds(10)).request_as<Ok>(Status{});
+  EXPECT_THAT(peer, StartsWith("[::1]:"));
+}
+
 TEST_F(LocalSocket, AWordThatFitsIntoNoNameIsNotUsed) {
   ::setenv(kLocalVariable, std::string(200, 'x').c_str(), 1);
   serve();
@@ -105,28 +123,19 @@ TEST_F(LocalSocket, ItsServersAreToldApartByTheirPorts) {
 }
 
 TEST_F(LocalSocket, WhereTheNameIsTakenTheServerUsesTcp) {
-  options.port = 0;
-  serve();
-  const std::uint16_t port = server->port();
-  server->stop();
-  thread.join();
-  server.reset();
+  serve_at_a_port_of_ours();
+  end();
   const int taken = ::socket(AF_UNIX, SOCK_STREAM, 0);
-  const LocalAddress name = local_address(local_socket_name(port));
+  const LocalAddress name = local_address(local_socket_name(options.port));
   ASSERT_EQ(::bind(taken, reinterpret_cast<const sockaddr*>(&name.address), name.size), 0);
-  options.port = port;
   serve();
   EXPECT_THAT(seen(), StartsWith("127.0.0.1:"));
   ::close(taken);
 }
 
 TEST_F(LocalSocket, AServerThatHasEndedLeavesNothing) {
-  serve();
-  const std::uint16_t port = server->port();
-  server->stop();
-  thread.join();
-  server.reset();
-  options.port = port;
+  serve_at_a_port_of_ours();
+  end();
   serve();
   EXPECT_EQ(seen(), "a Unix socket");
 }
@@ -135,8 +144,7 @@ TEST(LocalWord, IsKeptOrMadeAtRandom) {
   ::unsetenv(kLocalVariable);
   share_local_sockets();
   const std::string word = std::getenv(kLocalVariable);
-  EXPECT_THAT(word, MatchesRegex("[0-9a-f]+"));
-  EXPECT_EQ(word.size(), 32u);
+  EXPECT_THAT(word, MatchesRegex("[0-9]+"));
   share_local_sockets();
   EXPECT_EQ(std::getenv(kLocalVariable), word);
   ::unsetenv(kLocalVariable);

@@ -65,15 +65,15 @@ def _dial_locally(address: str) -> socket.socket | None:
     """Connects to the Unix socket beside the port, where the server is a program of the same run (protocol/local_socket.h)."""
     host, port = parse_address(address)
     word = os.environ.get("VISUM_LOCAL")
-    if not word or host not in ("127.0.0.1", "localhost", "::1"):
+    if not word or host != "127.0.0.1":
         return None
     connection = socket.socket(socket.AF_UNIX)
+    connection.settimeout(5.0)  # also for the handshake
     try:
         connection.connect(f"\0visum-{word}-{port}")
     except OSError:  # nothing listens there
         connection.close()
         return None
-    connection.settimeout(5.0)  # for the handshake
     return connection
 
 

@@ -116,14 +116,15 @@ export class ToolPane {
 
   private field(axis: string, index: number): HTMLInputElement {
     const input = h("input", { type: "number", step: "any", "aria-label": `${axis} of the tool, ${index < 3 ? "m" : "degrees"}` });
-    // From when it is entered: a value that is set takes the selection away, and what is typed is appended
+    // It is left alone from when it is entered. A new value would take the selection away, and what is typed
+    // would be appended.
     const begin = () => (this.typing = input);
     for (const event of ["focus", "pointerdown", "input"]) input.addEventListener(event, begin);
     input.addEventListener("keydown", ({ key }) => key !== "Enter" && begin());
     // Then it shows where the tool is; the others may be selected by now
     const end = () => {
       if (this.typing === input) this.typing = null;
-      this.show(input, index);
+      this.show([input]);
     };
     input.addEventListener("change", () => {
       if (Number.isFinite(input.valueAsNumber)) this.goTyped(index, input.valueAsNumber);
@@ -191,13 +192,16 @@ export class ToolPane {
     this.take.disabled = !this.link.mayCommand;
     setText(this.take, `Take control of ${arm.part.name}`);
     this.teach.enable(usable);
-    this.fields.forEach((input, i) => this.typing !== input && this.show(input, i));
+    this.show(this.fields.filter((input) => input !== this.typing));
   }
 
-  private show(input: HTMLInputElement, index: number): void {
+  private show(inputs: readonly HTMLInputElement[]): void {
     const arm = this.arm.value;
     if (!arm || !this.world.sample) return;
-    input.value = asShown(this.coordinates(this.actual(arm))[index]!, index < 3 ? 4 : 2);
+    const numbers = this.coordinates(this.actual(arm));
+    this.fields.forEach((input, i) => {
+      if (inputs.includes(input)) input.value = asShown(numbers[i]!, i < 3 ? 4 : 2);
+    });
   }
 
   // Why the arm does not move, or moves slower than a user expects.
