@@ -18,6 +18,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLook{100};  // how soon a stop and the end of its time are noticed
 constexpr milliseconds kRest{5};    // between two looks: a program that prints without end costs no more
+constexpr int kBySignal = 128;      // plus the signal's number: the exit code that shells tell
 
 // The exit codes of `visum run` (clients/visum/common/exit_code.h).
 ScenarioVerdict verdict_of(int exit_code) {
@@ -116,8 +117,9 @@ void ScenarioRun::end_if_due(const processes::ChildProcess& child) {
 
 News ScenarioRun::end_of(const processes::ChildProcess& child) const {
   News end = ended_.value_or(News{News::Kind::kEnd});
-  end.exit_code = child.exit()->number;
-  end.verdict = child.exit()->by_signal ? ScenarioVerdict::kInvalid : verdict_of(end.exit_code);
+  const auto exit = *child.exit();
+  end.exit_code = exit.by_signal ? kBySignal + exit.number : exit.number;
+  end.verdict = verdict_of(end.exit_code);
   if (too_late_)
     end.text = "ended after " + std::to_string(std::chrono::ceil<std::chrono::seconds>(timeout_).count()) +
                " s, the time that it was given";

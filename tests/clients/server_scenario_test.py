@@ -272,8 +272,9 @@ class Ends(ServerScenario):
         self.start_lasting()
         self.admin.run_scenario("lasts")
         runner = self.wait_for_its_world()
-        os.kill(runner, signal.SIGKILL)
-        self.assertIn("visum run was ended by signal 9 (Killed)", self.follow()[-1].text)
+        os.kill(runner, signal.SIGHUP)  # whose number is that of a failed run
+        self.assertIn("visum run was ended by signal 1 (Hangup)", self.follow()[-1].text)
+        self.assertEqual((self.admin.scenario().exit_code, self.admin.scenario().running), (129, False))
         self.wait_for_nobody()
 
     def test_the_child_has_none_of_the_servers_files(self):
