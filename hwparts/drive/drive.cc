@@ -5,7 +5,6 @@
 
 #include "hwparts/drive/encoder.h"
 #include "hwparts/drive/motor.h"
-#include "hwparts/drive/servo_loop.h"
 #include "hwparts/drive/state_word.h"
 #include "hwparts/drive/supervision.h"
 
@@ -25,7 +24,12 @@ CurrentWindow narrowed(CurrentWindow window, double most) {
 }  // namespace
 
 Drive::Drive(const DriveData& data, double position, bool homed, double tick_s)
-    : data_(data), tick_s_(tick_s), initial_(initial_state(data, position, homed)), state_(initial_) {}
+    : data_(data),
+      tick_s_(tick_s),
+      period_s_(data.loop_period(tick_s)),
+      loop_ticks_(static_cast<std::uint32_t>(std::llround(period_s_ / tick_s))),
+      initial_(initial_state(data, position, homed)),
+      state_(initial_) {}
 
 void Drive::act(const Command& command, std::span<const hwparts::JointSample> joints,
                 std::span<hwparts::JointDrive> drives) {
@@ -33,9 +37,12 @@ void Drive::act(const Command& command, std::span<const hwparts::JointSample> jo
   const Trip before = figures_of(state_);
   supervise(data_, state_);
   move_brake(data_.brake, state_, tick_s_);
-  move_setpoint(command);
+  state_.commanded = command.target;
+  const bool loop_runs = state_.loop.age == 0;
+  state_.loop.age = (state_.loop.age + 1) % loop_ticks_;
+  if (loop_runs || !ready(state_)) move_setpoint(command);
   note_trip(before);
-  plan_ = plan_rotor(data_, state_, drive_motor(), brake_holds(), tick_s_);
+  plan_ = plan_rotor(data_, state_, drive_motor(loop_runs), brake_holds(), tick_s_);
   const double most_effort = std::min(data_.gear.breaking_effort, broken_.slip_effort);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     drives[i] = couple(data_, plan_, state_.rotor_position, most_effort, joints.size(), joints[i], tick_s_);
@@ -74,9 +81,12 @@ void Drive::publish(std::span<const hwparts::JointSample> joints, double encoder
   slip_gear(data_, joints, broken_.slip_effort, state_);
   watch_gear(data_.gear, state_);
   const double measured = encoder(encoder_noise);
-  state_.measured_speed =
-      filtered_speed(data_.loop, state_.measured_speed, measured - state_.measured_position, tick_s_);
+  state_.loop.travel += measured - state_.measured_position;
   state_.measured_position = measured;
+  if (state_.loop.age == 0) {  // the loop runs in the next tick
+    state_.measured_speed = filtered_speed(data_.loop, state_.measured_speed, state_.loop.travel, period_s_);
+    state_.loop.travel = 0.0;
+  }
   state_.i2t = advance_i2t(data_.motor, state_.i2t, state_.current, tick_s_);
   state_.winding = advance_winding(data_.motor, state_.winding, state_.current, tick_s_);
 }
@@ -87,17 +97,23 @@ void Drive::restart() {
   known_ = state_.latched;
 }
 
+void Drive::save(hwparts::StateWriter& to) const {
+  drive::save(state_, to);
+  if (loop_ticks_ > 1) drive::save(state_.loop, to);
+}
+
 void Drive::load(hwparts::StateReader& from) {
   drive::load(state_, from);
+  state_.loop = {};
+  if (loop_ticks_ > 1) drive::load(state_.loop, from);
   acted_ = false;
   known_ = state_.latched;
 }
 
-// Moves the setpoint by one tick: home, as the bus commanded, to the ports' target, or to a stop. While the
-// loop is open it stays at the axis.
+// Moves the setpoint on by one period of the loop: home, as the bus commanded, to the ports' target, or to a
+// stop. While the loop is open it stays at the axis.
 void Drive::move_setpoint(const Command& command) {
   auto& setpoint = state_.setpoint;
-  state_.commanded = command.target;
   if (!ready(state_)) {
     // A command that waits for the brake shows motion, so that no client takes it for finished.
     const bool begins = state_.loop_closed && (state_.homing || state_.motion.kind != MotionKind::kNone);
@@ -124,7 +140,7 @@ void Drive::move_setpoint(const Command& command) {
       return;
     }
   }
-  setpoint = ramp_stop(setpoint, data_.limits.stop_deceleration, tick_s_);
+  setpoint = ramp_stop(setpoint, data_.limits.stop_deceleration, period_s_);
 }
 
 Setpoint Drive::follow_ports(const Command& command) {
@@ -132,18 +148,18 @@ Setpoint Drive::follow_ports(const Command& command) {
                             state_.tuning.maximum_acceleration};
   if (data_.speed_controlled) return keep_speed(command.target, limits);
   const double target = reachable_target(data_, state_, command.target);
-  return ramp_to(state_.setpoint, target, limits.speed, limits.acceleration, tick_s_);
+  return ramp_to(state_.setpoint, target, limits.speed, limits.acceleration, period_s_);
 }
 
-// One tick of homing: goes to the reference switch, where the encoder's zero becomes known; then, if asked
+// One period of homing: goes to the reference switch, where the encoder's zero becomes known; then, if asked
 // for, to 0. A speed-controlled drive has no such place: it stops.
 void Drive::home_on(const Command& command) {
   auto& setpoint = state_.setpoint;
   const double target = state_.moves_to_zero ? 0.0 : data_.home.position + state_.zero_offset;
   const double acceleration = state_.tuning.maximum_acceleration;
   setpoint = data_.speed_controlled
-                 ? ramp_stop(setpoint, acceleration, tick_s_)
-                 : ramp_to(setpoint, target, state_.tuning.home_speed, acceleration, tick_s_);
+                 ? ramp_stop(setpoint, acceleration, period_s_)
+                 : ramp_to(setpoint, target, state_.tuning.home_speed, acceleration, period_s_);
   if (setpoint.phase != RampPhase::kEnd) return;
   if (!state_.moves_to_zero) set_zero(state_);
   state_.referenced = true;
@@ -154,16 +170,16 @@ void Drive::home_on(const Command& command) {
   drive::hold(state_, command.target);
 }
 
-// One tick towards a speed, or at it, as far as the soft limits allow.
+// One period towards a speed, or at it, as far as the soft limits allow.
 Setpoint Drive::keep_speed(double speed, const MotionLimits& limits) {
   constexpr double kFar = 1e6;  // [u] ahead: further than any braking distance
   const auto& from = state_.setpoint;
-  if (speed == 0.0) return ramp_stop(from, limits.acceleration, tick_s_);
+  if (speed == 0.0) return ramp_stop(from, limits.acceleration, period_s_);
   const double target = reachable_target(data_, state_, from.position + (speed > 0.0 ? kFar : -kFar));
-  return ramp_to(from, target, std::min(std::abs(speed), limits.speed), limits.acceleration, tick_s_);
+  return ramp_to(from, target, std::min(std::abs(speed), limits.speed), limits.acceleration, period_s_);
 }
 
-// One tick of the motion that the bus commanded.
+// One period of the motion that the bus commanded.
 Setpoint Drive::follow_bus() {
   auto& motion = state_.motion;
   const auto& from = state_.setpoint;
@@ -172,24 +188,24 @@ Setpoint Drive::follow_bus() {
   const double acceleration = std::min(motion.acceleration, limits.acceleration);
   switch (motion.kind) {
     case MotionKind::kRamp:
-      return ramp_to(from, reachable_target(data_, state_, motion.target), speed, acceleration, tick_s_);
+      return ramp_to(from, reachable_target(data_, state_, motion.target), speed, acceleration, period_s_);
     case MotionKind::kVelocity:
       return keep_speed(motion.target, {limits.speed, acceleration});
     case MotionKind::kStep: {
       const double target = reachable_target(data_, state_, motion.target);
-      return stopping_inside(step_on(motion, from, target, limits, tick_s_), target, limits);
+      return stopping_inside(step_on(motion, from, target, limits, period_s_), target, limits);
     }
     case MotionKind::kCosine: {
       // An end beyond a soft limit is gone to on a ramp, which trips there.
       const double target = reachable_target(data_, state_, motion.target);
-      if (target != motion.target) return ramp_to(from, target, limits.speed, acceleration, tick_s_);
-      return turn(motion, from, {limits.speed, acceleration}, tick_s_);
+      if (target != motion.target) return ramp_to(from, target, limits.speed, acceleration, period_s_);
+      return turn(motion, from, {limits.speed, acceleration}, period_s_);
     }
     case MotionKind::kCurrent: {
       watch_way(state_, motion.target);
       if (has(state_, state_bit::kError)) return from;
       const bool moves = std::abs(state_.measured_speed) > kStillSpeed * limits.speed;
-      return follow_axis(motion, state_.measured_position, state_.measured_speed, moves, tick_s_);
+      return follow_axis(motion, state_.measured_position, state_.measured_speed, moves, period_s_);
     }
     case MotionKind::kNone:
       break;
@@ -198,7 +214,7 @@ Setpoint Drive::follow_bus() {
 }
 
 // `next`, unless the axis could no longer stop inside the soft limits from there: a stream of steps may end
-// at speed, and near a limit it would trip it before it stands. Then one tick of braking.
+// at speed, and near a limit it would trip it before it stands. Then one period of braking.
 Setpoint Drive::stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const {
   const auto& tuning = state_.tuning;
   if (!data_.limits.limited || !state_.referenced || state_.soft_side != 0) return next;
@@ -208,19 +224,26 @@ Setpoint Drive::stopping_inside(const Setpoint& next, double target, const Motio
   const bool inside = next.speed > 0.0 ? stops_at <= highest : stops_at >= lowest || next.speed == 0.0;
   if (inside) return next;
   return ramp_to(state_.setpoint, std::clamp(stops_at, lowest, highest), limits.speed, limits.acceleration,
-                 tick_s_);
+                 period_s_);
 }
 
-MotorEffort Drive::drive_motor() {
+CurrentCommand Drive::command_current(const CurrentWindow& window, bool loop_runs) const {
+  if (state_.motion.kind == MotionKind::kCurrent)
+    return limit_current(state_.motion.target, state_.integral_current, window);
+  if (loop_runs) return control_current(data_, state_, window, period_s_);
+  return limit_current(state_.loop.wanted_current, state_.integral_current, window);
+}
+
+MotorEffort Drive::drive_motor(bool loop_runs) {
+  auto& wanted = state_.loop.wanted_current;
   if (!ready(state_)) {
-    state_.current = state_.integral_current = 0.0;
+    state_.current = state_.integral_current = wanted = 0.0;
     return {};
   }
   const auto window = narrowed(current_window(data_, state_.tuning.supply_voltage, state_.rotor_speed),
                                state_.tuning.maximum_current);
-  const auto command = state_.motion.kind == MotionKind::kCurrent
-                           ? limit_current(state_.motion.target, state_.integral_current, window)
-                           : control_current(data_, state_, window, tick_s_);
+  const auto command = command_current(window, loop_runs);
+  wanted = command.wanted;
   state_.current = command.current;
   state_.integral_current = command.integral;
   if (command.limited) state_.latched |= state_bit::kCurLimit;

@@ -15,6 +15,7 @@
 #include "hwparts/drive/drive_data.h"
 #include "hwparts/drive/drive_state.h"
 #include "hwparts/drive/gear.h"
+#include "hwparts/drive/servo_loop.h"
 #include "hwparts/drive/trip.h"
 #include "hwparts/joint.h"
 
@@ -102,6 +103,7 @@ class Drive {
 
   // Back to the state after construction. `broken` stays.
   void restart();
+  void save(hwparts::StateWriter& to) const;
   void load(hwparts::StateReader& from);
 
   const Broken& broken() const { return broken_; }
@@ -112,15 +114,16 @@ class Drive {
   std::uint64_t trips() const { return trips_; }
 
  private:
-  // Each of these gives or makes the setpoint of this tick.
+  // Each of these gives or makes the setpoint of this run of the loop.
   void move_setpoint(const Command& command);
   void home_on(const Command& command);
   Setpoint follow_ports(const Command& command);
   Setpoint follow_bus();
   Setpoint stopping_inside(const Setpoint& next, double target, const MotionLimits& limits) const;
   Setpoint keep_speed(double speed, const MotionLimits& limits);
-  // Runs the servo loop and sets the motor's current.
-  MotorEffort drive_motor();
+  // Runs the servo loop where it is due, and sets the motor's current.
+  MotorEffort drive_motor(bool loop_runs);
+  CurrentCommand command_current(const CurrentWindow& window, bool loop_runs) const;
   // True where the brake really holds: a stuck brake does not do what the module says.
   bool brake_holds() const;
   // The encoder's reading now, faults and noise included.
@@ -132,6 +135,8 @@ class Drive {
 
   DriveData data_;
   double tick_s_;
+  double period_s_;           // of the servo loop
+  std::uint32_t loop_ticks_;  // the same in ticks
   DriveState initial_;
   DriveState state_;
   Broken broken_;

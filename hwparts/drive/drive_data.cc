@@ -44,11 +44,13 @@ constexpr std::array<Field<MotorData>, 9> kMotor{{
     {"maximum_winding_c", &MotorData::maximum_winding, kAny},
 }};
 
-constexpr std::array<Field<GearData>, 9> kGear{{
+constexpr std::array<Field<GearData>, 11> kGear{{
     {"rotor_inertia_kg_m2", &GearData::rotor_inertia},
     {"viscous_friction_<F>_s_per_<u>", &GearData::viscous_friction, kNonNegative},
     {"coulomb_friction_<F>", &GearData::coulomb_friction, kNonNegative},
     {"coulomb_speed_<u>_per_s", &GearData::coulomb_speed},
+    {"dry_friction_<F>", &GearData::dry_friction, kNonNegative, 0.0},
+    {"static_friction_<F>", &GearData::static_friction, kNonNegative, 0.0},
     {"stiffness_<F>_per_<u>", &GearData::stiffness, kPositive, 0.0},
     {"damping_<F>_s_per_<u>", &GearData::damping, kNonNegative, 0.0},
     {"backlash_<u>", &GearData::backlash, kNonNegative, 0.0},
@@ -76,11 +78,12 @@ constexpr std::array<Field<LimitData>, 5> kLimits{{
     {"tolerance_<u>", &LimitData::tolerance, kNonNegative},
 }};
 
-constexpr std::array<Field<LoopData>, 4> kLoop{{
+constexpr std::array<Field<LoopData>, 5> kLoop{{
     {"position_gain_per_s", &LoopData::position_gain},
     {"velocity_bandwidth_per_s", &LoopData::velocity_bandwidth},
     {"integral_time_s", &LoopData::integral_time, kNonNegative},
     {"speed_filter_s", &LoopData::speed_filter, kNonNegative},
+    {"period_s", &LoopData::period, kPositive, 0.0},
 }};
 
 constexpr std::array<Field<HomeData>, 2> kHome{{
@@ -205,6 +208,8 @@ void read_gear(EntryReader& reader) {
   const auto& ratio = data.linear ? kLinearRatio : kRotaryRatio;
   const auto node = reader.section("gear", kGear, data.gear, {ratio[0].key});
   reader.read(node, "gear", ratio, data.gear);
+  const bool names_static = node && node->find(spell("static_friction_<F>", data.linear));
+  if (!names_static) data.gear.static_friction = data.gear.dry_friction;
 }
 
 void read_limits(const Node& entry, EntryReader& reader) {
@@ -240,7 +245,8 @@ void check_motor(const Node& entry, const MotorData& motor) {
     place_of(entry, "motor", "maximum_winding_c").fail("must be above ambient_c");
 }
 
-void check_gear(const Node& entry, const GearData& gear, bool linear) {
+// `most_effort` [F] is what the motor gives at its current limit.
+void check_gear(const Node& entry, const GearData& gear, double most_effort, bool linear) {
   const bool rigid = gear.stiffness == 0.0;
   if (rigid && (gear.backlash > 0.0 || gear.damping > 0.0)) {
     place_of(entry, "gear", "")
@@ -249,6 +255,12 @@ void check_gear(const Node& entry, const GearData& gear, bool linear) {
   }
   if (gear.breaking_effort < gear.peak_effort)
     place_of(entry, "gear", spell("breaking_<T>_<F>", linear)).fail("is below the rated peak");
+  const std::string holds = spell("static_friction_<F>", linear);
+  if (gear.static_friction < gear.dry_friction)
+    place_of(entry, "gear", holds).fail("is below " + spell("dry_friction_<F>", linear));
+  if (gear.static_friction > 0.0 && gear.static_friction >= most_effort)
+    place_of(entry, "gear", holds)
+        .fail("the motor never moves: it gives at most " + std::to_string(most_effort));
 }
 
 void check_limits(const Node& entry, const LimitData& limits, bool linear) {
@@ -278,7 +290,7 @@ void check_supply(const Node& entry, const SupplyData& supply) {
 void check_speed(const Node& node, const DriveData& data) {
   const double speed = data.limits.maximum_speed;
   const auto window = current_window(data, data.supply.nominal_voltage, speed);
-  const double friction = friction_effort(data.gear, speed);
+  const double friction = friction_effort(data.gear, speed) + data.gear.dry_friction;
   if (friction < data.effort_per_amp() * window.upper) return;
   node.fail("the motor cannot reach the maximum speed: friction there takes " + std::to_string(friction) +
             " of the " + std::to_string(std::max(0.0, data.effort_per_amp() * window.upper)) +
@@ -333,7 +345,7 @@ DriveData read_drive_data(const Node& entry, bool linear, const JointBounds& joi
   reader.section("supply", kSupply, data.supply);
   reader.fail_if_missing();
   check_motor(entry, data.motor);
-  check_gear(entry, data.gear, linear);
+  check_gear(entry, data.gear, data.effort_per_amp() * data.motor.current_limit, linear);
   check_limits(entry, data.limits, linear);
   check_supply(entry, data.supply);
   check_home(entry, data);

@@ -35,6 +35,8 @@ struct GearData {
   double viscous_friction = 0.0;  // [F]/([u]/s)
   double coulomb_friction = 0.0;  // [F], times tanh(speed / coulomb_speed)
   double coulomb_speed = 1.0;     // [u]/s
+  double dry_friction = 0.0;      // [F], Coulomb's law: of one size while it slides, and holds at rest
+  double static_friction = 0.0;   // [F], >= dry_friction, what it holds at rest
   double stiffness = 0.0;         // [F]/[u]; 0: rigid
   double damping = 0.0;           // [F]/([u]/s), of the gear's torsion
   double backlash = 0.0;          // [u], whole width of the play
@@ -71,6 +73,7 @@ struct LoopData {
   double velocity_bandwidth = 0.0;  // 1/s, of the velocity loop around the bare rotor
   double integral_time = 0.0;       // s, of the velocity loop; 0: no integral part
   double speed_filter = 0.0;        // s, time constant of the measured speed's low pass
+  double period = 0.0;              // s, a whole number of ticks; 0: the loop runs in each tick
 };
 
 struct HomeData {
@@ -97,7 +100,8 @@ struct DriveData {
   HomeData home;
   SupplyData supply;
 
-  double effort_per_amp() const { return motor.torque_constant * gear.ratio; }               // [F]/A
+  double effort_per_amp() const { return motor.torque_constant * gear.ratio; }                  // [F]/A
+  double loop_period(double tick_s) const { return loop.period > 0.0 ? loop.period : tick_s; }  // s
   double reflected_inertia() const { return gear.rotor_inertia * gear.ratio * gear.ratio; }  // kg·m² or kg
   double increment() const;                                                                  // [u]
 };

@@ -69,4 +69,12 @@ void load(DriveState& state, hwparts::StateReader& from) {
   visit_fields(state, [&](auto& field) { from.get(field); });
 }
 
+void save(const LoopSample& loop, hwparts::StateWriter& to) {
+  to.put(loop.age), to.put(loop.travel), to.put(loop.wanted_current);
+}
+
+void load(LoopSample& loop, hwparts::StateReader& from) {
+  from.get(loop.age), from.get(loop.travel), from.get(loop.wanted_current);
+}
+
 }  // namespace visum::drive

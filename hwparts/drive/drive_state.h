@@ -29,6 +29,13 @@ struct Tuning {
   double brake_engage_time = 0.0;  // s
 };
 
+// What a loop with a period of its own keeps from one run to the next.
+struct LoopSample {
+  std::uint32_t age = 0;        // ticks since it ran
+  double travel = 0.0;          // [u], as the encoder has seen it since the speed was measured
+  double wanted_current = 0.0;  // A, what it asks for
+};
+
 struct DriveState {
   // Mechanics: the rotor in the module's coordinate. The joints hang on it by the gear's spring.
   double rotor_position = 0.0;
@@ -46,6 +53,7 @@ struct DriveState {
   Setpoint setpoint;
   double integral_current = 0.0;  // A, the velocity loop's integral part
   double current = 0.0;           // A, during the last tick
+  LoopSample loop;
 
   // Heat.
   double i2t = 0.0;      // A²s
@@ -83,7 +91,10 @@ Tuning initial_tuning(const DriveData& data);
 // At rest at `position`, powered, with the loop closed.
 DriveState initial_state(const DriveData& data, double position, bool homed);
 
+// Without `loop`, which only a loop with a period of its own needs.
 void save(const DriveState& state, hwparts::StateWriter& to);
 void load(DriveState& state, hwparts::StateReader& from);
+void save(const LoopSample& loop, hwparts::StateWriter& to);
+void load(LoopSample& loop, hwparts::StateReader& from);
 
 }  // namespace visum::drive

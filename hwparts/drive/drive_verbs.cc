@@ -32,7 +32,7 @@ void Drive::place(std::span<const hwparts::JointSample> joints) {
   }
   state_.measured_position = encoder(0.0);
   state_.measured_speed = state_.rotor_speed;
-  state_.integral_current = state_.current = 0.0;
+  state_.integral_current = state_.current = state_.loop.wanted_current = state_.loop.travel = 0.0;
   state_.setpoint = {state_.measured_position, state_.rotor_speed,
                      state_.rotor_speed == 0.0 ? RampPhase::kEnd : RampPhase::kDecelerating};
   state_.motion = {};

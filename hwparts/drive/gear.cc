@@ -7,6 +7,9 @@
 namespace visum::drive {
 namespace {
 
+constexpr double kAtRest = 1e-6;  // a rotor with this share of the momentum that dry friction takes away in a
+                                  // tick stands: an engine finds speeds only so well
+
 bool rigid(const GearData& gear) {
   return gear.stiffness == 0.0;
 }
@@ -15,16 +18,25 @@ double sign(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
-// The plan of a rotor in a closed brake: it sticks, or it slips against dry friction.
-RotorPlan braked(const DriveData& data, const DriveState& state, double motor_effort, double inertia,
-                 double tick_s) {
-  const double mobility = tick_s / inertia;
-  const double momentum = data.reflected_inertia() * state.rotor_speed + tick_s * motor_effort;
+// The plan of a rotor with dry friction: it sticks, or it slides. `momentum` is J ω + h τm, `brake` [F] the
+// part of the friction that a closed brake has.
+RotorPlan with_dry_friction(const DriveData& data, const DriveState& state, double momentum, double brake,
+                            double inertia, double tick_s) {
+  RotorPlan plan;
+  plan.dry = true;
+  plan.slide_mobility = tick_s / inertia;
+  plan.friction = data.gear.dry_friction + brake;
+  plan.breakaway = data.gear.static_friction + brake;
+  plan.push = momentum / tick_s;
   const double moving = momentum - tick_s * state.gear_effort;
-  const double brake = tick_s * data.brake.holding_effort;
-  if (rigid(data.gear) || std::abs(moving) <= brake) return {0.0, 0.0, mobility, 0.0, true, motor_effort};
-  const double direction = sign(moving);
-  return {(momentum - brake * direction) / inertia, mobility, mobility, direction, true, motor_effort};
+  const bool rests =
+      data.reflected_inertia() * std::abs(state.rotor_speed) <= kAtRest * tick_s * plan.breakaway;
+  const double holds = rests ? plan.breakaway : plan.friction;
+  if (std::abs(moving) <= tick_s * holds) return plan;
+  plan.sliding = sign(moving);
+  plan.mobility = plan.slide_mobility;
+  plan.free_speed = (momentum - tick_s * plan.friction * plan.sliding) / inertia;
+  return plan;
 }
 
 // The flank of the backlash that the motion runs towards, -1 or +1: the one it touches, unless it will have
@@ -35,11 +47,10 @@ double flank(double torsion, double predicted, double half_play) {
   return sign(predicted);
 }
 
-// For a rigid gear the rotor is where the joint is. With the brake closed, dry friction holds both.
-hwparts::JointDrive couple_rigidly(const DriveData& data, const RotorPlan& plan, double most_effort,
-                                   double n) {
-  const double limit = plan.mobility > 0.0 ? most_effort : data.brake.holding_effort;
-  return {plan.free_speed / n, plan.mobility / n, limit, plan.motor_effort};
+// For a rigid gear the rotor is where the joint is, and dry friction holds both.
+hwparts::JointDrive couple_rigidly(const RotorPlan& plan, double most_effort, double n) {
+  if (plan.mobility == 0.0) return {0.0, 0.0, plan.breakaway, plan.push};
+  return {plan.free_speed / n, plan.mobility / n, most_effort, 0.0};
 }
 
 // The effort at the module. Each of n joints feels n times its share of it.
@@ -49,14 +60,14 @@ double total_effort(std::span<const hwparts::JointSample> joints) {
   return sum / static_cast<double>(joints.size());
 }
 
-// ω⁺ by (1), or by the brake's friction.
-double next_speed(const DriveData& data, const RotorPlan& plan, double effort) {
+// ω⁺ by (1), or by dry friction.
+double next_speed(const RotorPlan& plan, double effort) {
   const double speed = plan.free_speed - plan.mobility * effort;
-  if (!plan.braked) return speed;
-  if (plan.slip_direction != 0.0) return speed * plan.slip_direction > 0.0 ? speed : 0.0;
-  const double load = plan.motor_effort - effort;
-  const double excess = std::abs(load) - data.brake.holding_effort;
-  return excess > 0.0 ? sign(load) * plan.slip_mobility * excess : 0.0;
+  if (!plan.dry) return speed;
+  if (plan.sliding != 0.0) return speed * plan.sliding > 0.0 ? speed : 0.0;
+  const double load = plan.push - effort;
+  if (std::abs(load) <= plan.breakaway) return 0.0;
+  return sign(load) * plan.slide_mobility * (std::abs(load) - plan.friction);
 }
 
 void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& state) {
@@ -75,8 +86,12 @@ RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const Motor
   const double inertia =
       data.reflected_inertia() + tick_s * (friction_secant(data.gear, speed) + motor.damping);
   const double effort = motor.effort + motor.damping * speed;  // at standstill, on the same slope
-  if (brake_holds) return braked(data, state, effort, inertia, tick_s);
-  return {(data.reflected_inertia() * speed + tick_s * effort) / inertia, tick_s / inertia, tick_s / inertia};
+  const double momentum = data.reflected_inertia() * speed + tick_s * effort;
+  if (brake_holds || data.gear.static_friction > 0.0) {
+    const double brake = brake_holds ? data.brake.holding_effort : 0.0;
+    return with_dry_friction(data, state, momentum, brake, inertia, tick_s);
+  }
+  return {momentum / inertia, tick_s / inertia};
 }
 
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
@@ -84,7 +99,7 @@ hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double 
                            double tick_s) {
   const auto& gear = data.gear;
   const double n = static_cast<double>(share);
-  if (rigid(gear)) return couple_rigidly(data, plan, most_effort, n);
+  if (rigid(gear)) return couple_rigidly(plan, most_effort, n);
   const double k = gear.stiffness / n;
   const double kappa = tick_s * k + gear.damping / n;
   const double c = (1.0 / kappa + n * plan.mobility) / (n * n);  // at the joint
@@ -103,7 +118,7 @@ void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hw
                 double tick_s, DriveState& state) {
   state.gear_effort = total_effort(joints);
   if (rigid(data.gear)) return follow_joints(joints, state);
-  state.rotor_speed = next_speed(data, plan, state.gear_effort);
+  state.rotor_speed = next_speed(plan, state.gear_effort);
   state.rotor_position += tick_s * state.rotor_speed;
 }
 

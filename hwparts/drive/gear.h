@@ -36,12 +36,15 @@
 // q̇⁺ itself decides, within the tick, whether the flank is entered or left. Since the flank's potential is
 // convex, an implicit step through it never gains energy.
 //
-// Brake closed: dry friction of T acts on the rotor; τm = 0 unless the brake is stuck. The momentum that
-// moves the rotor is p = J ω + h (τm - τ), with τ of the tick before.
-//   |p| <= h T   The rotor sticks: ω⁺ = 0, so c = 1/κ and v* = k φ / κ. Should |τm - τ| turn out above T, it
-//                starts to slip.
-//   otherwise    It slips, and T acts against p: ωf = (J ω + h (τm - T sign p)) / Jₑ. It sticks again where
-//                (1) would turn it around.
+// Dry friction acts on the rotor as Coulomb has it: T while it slides, up to Tₛ >= T while it sticks. A
+// closed brake is dry friction, too, and adds its holding effort to both; τm is then 0 unless the brake is
+// stuck. The momentum that moves the rotor is p = J ω + h (τm - τ), with τ of the tick before.
+//   |p| <= h T (h Tₛ at rest)   The rotor sticks: ω⁺ = 0, so c = 1/κ and v* = k φ / κ. Should
+//                               |J ω / h + τm - τ| turn out above Tₛ, it starts to slide.
+//   otherwise                   It slides, and T acts against p: ωf = (J ω + h (τm - T sign p)) / Jₑ. It
+//                               sticks again where (1) would turn it around.
+// With a rigid gear the joint sticks with the rotor: v* = c = 0, the limit is Tₛ, and J ω / h + τm is the
+// feedforward.
 //
 // A gear that slips above F (a fault) carries no more than F, and gives way where its torsion would need
 // more. The rotor is then set back by whole increments, which zero_offset takes up, so that the encoder does
@@ -68,12 +71,15 @@ struct MotorEffort {
 
 // The rotor during one tick, as (1) has it.
 struct RotorPlan {
-  double free_speed = 0.0;      // ωf
-  double mobility = 0.0;        // h/Jₑ; 0: stuck in the brake
-  double slip_mobility = 0.0;   // h/Jₑ should it start to slip
-  double slip_direction = 0.0;  // -1 or +1 where the rotor slips in the brake
-  bool braked = false;
-  double motor_effort = 0.0;  // [F], against a closed brake
+  double free_speed = 0.0;  // ωf
+  double mobility = 0.0;    // h/Jₑ; 0: it sticks
+  // Of a rotor with dry friction.
+  bool dry = false;
+  double sliding = 0.0;         // -1 or +1, the direction in which it slides; 0: it sticks
+  double slide_mobility = 0.0;  // h/Jₑ should it start to slide
+  double friction = 0.0;        // [F], T
+  double breakaway = 0.0;       // [F], Tₛ
+  double push = 0.0;            // [F], J ω / h + τm, against which it sticks
 };
 
 // Before the step: how the rotor will move, given the effort that the joint turns out to feel.

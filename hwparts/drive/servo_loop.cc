@@ -6,6 +6,7 @@ namespace visum::drive {
 
 CurrentCommand limit_current(double wanted, double integral, const CurrentWindow& window) {
   CurrentCommand command;
+  command.wanted = wanted;
   command.integral = integral;
   command.current = std::clamp(wanted, window.lower, window.upper);
   command.limited = command.current != wanted;
@@ -15,7 +16,7 @@ CurrentCommand limit_current(double wanted, double integral, const CurrentWindow
 }
 
 CurrentCommand control_current(const DriveData& data, const DriveState& state, const CurrentWindow& window,
-                               double tick_s) {
+                               double period_s) {
   const auto& tuning = state.tuning;
   const double lag = state.setpoint.position - state.measured_position;
   const double wanted_speed = state.setpoint.speed + tuning.position_gain * lag;
@@ -27,7 +28,7 @@ CurrentCommand control_current(const DriveData& data, const DriveState& state, c
   auto command = limit_current(gain * slip + integral, integral, window);
   // Anti-windup: a limited command is not integrated further into its limit.
   const bool winds_up = command.limited && slip * command.current > 0.0;
-  if (tuning.integral_time > 0.0 && !winds_up) integral += tick_s / tuning.integral_time * gain * slip;
+  if (tuning.integral_time > 0.0 && !winds_up) integral += period_s / tuning.integral_time * gain * slip;
   command.integral = std::clamp(integral, -data.motor.current_limit, data.motor.current_limit);
   return command;
 }

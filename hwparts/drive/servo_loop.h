@@ -10,7 +10,8 @@
 namespace visum::drive {
 
 struct CurrentCommand {
-  double current = 0.0;     // A, inside the window
+  double wanted = 0.0;      // A
+  double current = 0.0;     // A, as much of that as is inside the window
   double integral = 0.0;    // A, the new integral part
   bool limited = false;     // more was wanted
   bool by_voltage = false;  // it was the supply's voltage that limited it
@@ -19,8 +20,8 @@ struct CurrentCommand {
 // The commanded current, as far as it can flow. The integral part stays.
 CurrentCommand limit_current(double wanted, double integral, const CurrentWindow& window);
 
-// One tick of the cascade.
+// One run of the cascade, which runs every `period_s`.
 CurrentCommand control_current(const DriveData& data, const DriveState& state, const CurrentWindow& window,
-                               double tick_s);
+                               double period_s);
 
 }  // namespace visum::drive

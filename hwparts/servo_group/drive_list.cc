@@ -1,6 +1,7 @@
 #include "hwparts/servo_group/drive_list.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <system_error>
 
@@ -56,14 +57,25 @@ void check_start(const Node& entry, const DriveEntry& drive) {
                                             ", outside of its hard limits");
 }
 
+// The loop of a drive runs between ticks, so it cannot run more often than they come.
+void check_period(const Node& entry, double period, double tick_s) {
+  const double ticks = period / tick_s;
+  if (period == 0.0 || (ticks > 0.5 && std::abs(ticks - std::round(ticks)) < 1e-6 * ticks)) return;
+  entry.get("loop")
+      .get("period_s")
+      .fail("must be a whole number of ticks, of " + std::to_string(tick_s) +
+            " s each; without it the loop runs in each tick");
+}
+
 void check_gains(const Node& entry, const drive::DriveData& data, double tick_s) {
   const auto tuning = drive::initial_tuning(data);
   for (const auto& field : tuning_fields()) {
     const auto range = field.range(data, tick_s);
     const double value = tuning.*field.member;
     if (value >= range.minimum && value <= range.maximum) continue;
-    entry.fail(std::string(field.name) + " is " + std::to_string(value) + ", but with a tick of " +
-               std::to_string(tick_s) + " s it must be between " + std::to_string(range.minimum) + " and " +
+    entry.fail(std::string(field.name) + " is " + std::to_string(value) +
+               ", but for a loop that runs every " + std::to_string(data.loop_period(tick_s)) +
+               " s it must be between " + std::to_string(range.minimum) + " and " +
                std::to_string(range.maximum));
   }
 }
@@ -93,6 +105,7 @@ DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector
   for (std::size_t joint : joints) drive.initial_position += context.joints[joint].initial_position;
   drive.joints = std::move(joints);
   check_start(entry, drive);
+  check_period(entry, drive.data.loop.period, context.tick_s);
   check_gains(entry, drive.data, context.tick_s);
   return drive;
 }

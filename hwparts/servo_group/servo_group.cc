@@ -270,7 +270,7 @@ std::span<const std::byte> ServoGroup::read_blackboard(std::size_t index) const 
 }
 
 void ServoGroup::save(hwparts::StateWriter& to) const {
-  for (const auto& axis : axes_) drive::save(axis.drive.state(), to);
+  for (const auto& axis : axes_) axis.drive.save(to);
   modules_.save(to);
   to.put(state_.reset), to.put(state_.home), to.put(state_.halt);
   to.put(state_.enabled), to.put(state_.on_controller_lost), to.put(state_.changed);

@@ -10,11 +10,11 @@ using drive::DriveData;
 using drive::Tuning;
 
 // Up to these gains a loop that is sampled every h seconds is stable, with room for torsion and friction.
-TuningRange position_gain(const DriveData&, double h) {
-  return {0.01, 0.2 / h};
+TuningRange position_gain(const DriveData& data, double tick_s) {
+  return {0.01, 0.2 / data.loop_period(tick_s)};
 }
-TuningRange velocity_bandwidth(const DriveData&, double h) {
-  return {0.1, 0.8 / h};
+TuningRange velocity_bandwidth(const DriveData& data, double tick_s) {
+  return {0.1, 0.8 / data.loop_period(tick_s)};
 }
 TuningRange integral_time(const DriveData&, double) {
   return {0.0, 100.0};
@@ -111,8 +111,8 @@ std::optional<std::string> change(const TuningField& field, const DriveData& dat
   }
   Tuning changed = tuning;
   changed.*field.member = value;
-  if (changed.integral_time > 0.0 && changed.integral_time < 2.0 * tick_s)
-    return "must be 0 or at least two ticks";
+  if (changed.integral_time > 0.0 && changed.integral_time < 2.0 * data.loop_period(tick_s))
+    return "must be 0 or at least two periods of the loop";
   if (field.limit) {
     if (auto reason = check_soft_limits(data, position, changed)) return reason;
   }
