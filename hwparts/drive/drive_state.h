@@ -29,7 +29,7 @@ struct Tuning {
   double brake_engage_time = 0.0;  // s
 };
 
-// What a loop with a period of its own keeps from one run to the next.
+// Kept from one run of a loop with a period of its own to the next.
 struct LoopSample {
   std::uint32_t age = 0;        // ticks since it ran
   double travel = 0.0;          // [u], as the encoder has seen it since the speed was measured

@@ -73,7 +73,7 @@ struct MotorEffort {
 struct RotorPlan {
   double free_speed = 0.0;  // ωf
   double mobility = 0.0;    // h/Jₑ; 0: it sticks
-  // Of a rotor with dry friction.
+  // The rest is for a rotor with dry friction.
   bool dry = false;
   double sliding = 0.0;         // -1 or +1, the direction in which it slides; 0: it sticks
   double slide_mobility = 0.0;  // h/Jₑ should it start to slide
