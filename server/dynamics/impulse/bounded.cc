@@ -12,7 +12,8 @@
 //           Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
 //           Dynamics: Theory and Applications, 1985). There e is cut back until the hit gains none.
 //   ahead   the look-ahead's displacement:
-//           h u_n + h^2 a_n/2 >= d - s; beyond the layer only a share of it, at most at kMostPush
+//           h u_n + h^2 a_n/2 >= d - s; beyond the layer only a share of it, at most at kMostPush, and less
+//           what it has landed deep (note_landings())
 //           u_t + h a_t/2 = 0, or the contact slides
 //   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or it slides with the cone of all three impulses
 //
@@ -157,7 +158,8 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
-      target[0] += std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / h_, apart_ ? 0.0 : kMostPush);
+      const double way = beyond < 0.0 ? beyond : kPushShare * std::max(0.0, beyond - touch.landed);
+      target[0] += std::min(way / h_, apart_ ? 0.0 : kMostPush);
       return;
     }
     default:

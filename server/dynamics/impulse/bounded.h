@@ -7,9 +7,6 @@
 
 namespace visum::dynamics::impulse {
 
-// Overlap that is left alone, m. A contact at rest then exists in every tick.
-inline constexpr double kSurfaceLayerM = 5e-7;
-
 // Fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
 inline constexpr double kMostPush = 0.5;  // m/s
 

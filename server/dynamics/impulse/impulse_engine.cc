@@ -109,6 +109,7 @@ class ImpulseEngine : public Engine {
     const std::size_t guard = stepper_.guard().bytes(), rest = std::min(kept.size(), guard + sleep_.bytes());
     const auto first = std::span(kept).first(kept.size() - rest);
     read_warm_start(first, input.contacts, plant_);
+    note_landings(plant_, input.contacts, input.tick_s);
     stepper_.guard().read(std::span(kept).subspan(first.size(), std::min(guard, rest)));
   }
 

@@ -96,6 +96,8 @@ struct Touch {
   Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
   bool yields = false;    // one of the two bodies moves by another engine
   double depth = 0.0, friction = 0.0, restitution = 0.0;
+  double landed =
+      0.0;  // m of the depth that is left alone, since the bodies have landed so (note_landings())
   double rolling_friction = 0.0, torsional_friction = 0.0;
   std::array<Vector3d, kMoments> impulse;  // in the frame, N·s
   std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame, N·m·s
@@ -108,6 +110,13 @@ struct Touch {
   // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
   std::optional<bool> rested;
 };
+
+// Overlap that is left alone, m. A contact at rest then exists in every tick.
+inline constexpr double kSurfaceLayerM = 5e-7;
+
+// The landings of note_landings(): the deepest that is left alone in coarse ticks, the time constant of the
+// rise from it, and the least that it rises in a tick.
+inline constexpr double kDeepestLandingM = 1e-4, kRiseS = 0.5, kSmallestRiseM = 1e-9;
 
 // True if rolling or torsional friction acts at this contact.
 inline bool is_held_from_turning(const Touch& touch) {
@@ -286,6 +295,10 @@ void carry_touches(Plant& plant, double h);
 // Velocity of A against B along the normal, m/s; positive: they part.
 double normal_speed(const Plant& plant, const Touch& touch);
 
+// Notes how deep each pair of shapes has landed: a body falls into another one before it is seen to touch, by
+// up to its speed times h. Lifting it out at once would give a rocking tower more energy than landings take,
+// and it would rock for ever. So up to g h² of that depth is left alone, and taken out within a second.
+void note_landings(Plant& plant, std::span<const collision::Contact> contacts, double h);
 // Makes the touches of this tick from the contacts that concern this engine's bodies.
 void find_touches(Plant& plant, std::span<const collision::Contact> contacts, const world::WorldState& state);
 

@@ -1,5 +1,7 @@
 // The tick's contacts in the form that the solver takes.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/dynamics/impulse/joints/directions.h"
 #include "server/dynamics/impulse/plant.h"
@@ -136,6 +138,25 @@ void carry_touches(Plant& plant, double h) {
     touch.ra = R * (touch.ra - touch.centre_a_W) + touch.centre_a_W;
     touch.rb = R * (touch.rb - touch.centre_b_W) + touch.centre_b_W;
     touch.frame = R * touch.frame;
+  }
+}
+
+void note_landings(Plant& plant, std::span<const collision::Contact> contacts, double h) {
+  const double deepest = std::min(plant.model.gravity.norm() * h * h, kDeepestLandingM);
+  const auto pair_of = [&](const Touch& touch) {
+    return std::pair(contacts[touch.contact].shape_a.value, contacts[touch.contact].shape_b.value);
+  };
+  auto& touches = plant.touches;
+  for (std::size_t first = 0, end = 0; first < touches.size(); first = end) {
+    double landed = 0.0;
+    for (; end < touches.size() && pair_of(touches[end]) == pair_of(touches[first]); ++end) {
+      const Touch& touch = touches[end];
+      const double risen = std::max(touch.landed * h / kRiseS, kSmallestRiseM);
+      const double fallen = std::min(-normal_speed(plant, touch) * h, touch.depth - kSurfaceLayerM);
+      landed = std::max({landed, touch.landed - risen, std::min(fallen, deepest)});
+    }
+    for (std::size_t i = first; i < end; ++i)
+      if (!touches[i].asleep) touches[i].landed = landed;
   }
 }
 

@@ -8,13 +8,23 @@ namespace {
 
 // The record of a contact, as it stands in the bytes.
 struct Record {
-  std::int32_t shape_a, shape_b, feature, rested;
+  std::int32_t shape_a, shape_b, feature, rest;
   double impulse[3], twist[3], change[3];
 };
 static_assert(sizeof(Record) == 88);
 
 Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
+}
+
+// The lowest bit of a record's `rest`: its island has rested. The others: how deep it has landed, in nm.
+std::int32_t packed_rest(const Touch& touch) {
+  return 2 * static_cast<std::int32_t>(touch.landed / kSmallestRiseM) +
+         (touch.rested.value_or(false) ? 1 : 0);
+}
+void unpack_rest(std::int32_t rest, Touch& touch) {
+  touch.rested = rest % 2 != 0;
+  touch.landed = std::clamp(kSmallestRiseM * (rest / 2), 0.0, kDeepestLandingM);
 }
 
 // Contacts and records are sorted by this key.
@@ -84,7 +94,7 @@ void read_warm_start(std::span<const std::byte> bytes, std::span<const collision
     // A new contact starts from zero, and so does one with bad numbers.
     if (key(record) != key(contact)) continue;
     if (!impulse.allFinite() || !twist.allFinite() || !change.allFinite()) continue;
-    touch.rested = record.rested != 0;
+    unpack_rest(record.rest, touch);
     touch.kept_impulse = impulse;
     touch.kept_twist = twist;
     touch.kept_change = change;
@@ -120,7 +130,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,
                         contact.feature,
-                        touch.rested.value_or(false) ? 1 : 0,
+                        packed_rest(touch),
                         {impulse.x(), impulse.y(), impulse.z()},
                         {twist.x(), twist.y(), twist.z()},
                         {change.x(), change.y(), change.z()}};

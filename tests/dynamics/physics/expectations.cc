@@ -215,9 +215,11 @@ const std::vector<Line> kLines{
     {"K16", {{{0.004, 1e-12}, {}, {}, {0.005, 1.5e-6}, {4e-4, 1e-7}, {0.006, 1.5e-6}}}},
     {"K17", {{{5e-6}, {}, {}, {5e-6}, {}, {5e-4}}}},
     {"K18", {{{2e-12, 1e-6}, {}, {}, {2e-12, 1e-6}, {4e-6, 2e-5}, {2e-4, 2e-5}}}},
+    {"K18l", {{{1e-6, 5e-6}, {}, {}, {}, {}, {1e-2, 1e-4}}}},
     {"K19", {{{8e-6}, {}, {}, {8e-6}, {1e-5}, {4e-4}}}},
     {"K20", {{{0, 1e-3}, {}, {}, {0, 2e-3}, {0, 2e-4}, {0, 1.5e-4}}}},
     {"K21", {{{6e-5, 0}, {}, {}, {6e-5, 0}, {1.5e-4, 0}, {1.5e-4, 0}}}},
+    {"K22", {{{1e-12, 0.01}, {}, {}, {1e-12, 0.01}, {1e-12, 0.01}, {2e-4, 0.01}}}},
     {"K11", {{{1e-7, 3e-7}, {}, {}, {5e-5, 1e-7}, {1e-8, 1e-12}, {0.5, 1}}}},
     {"K11e",
      {{{1e-7, 1.5e-9}, {1e-11, 1e-12}, {1e-12, 1e-12}, {2e-7, 1.5e-9}, {0.004, 0.03}, {0.004, 0.03}}}},
@@ -309,7 +311,7 @@ std::string why_not(const std::string& id, const std::string& row) {
   if (id == "L2" || id == "L4") return "has no springs";
   if (find_case(id).takes_long && row == "impulse-iterate")
     return "minutes of computing; a shorter case of the same letter shows it";
-  if (id.starts_with("K17") && row == "ode") return "more than a minute of computing";
+  if ((id.starts_with("K17") || id == "K18l") && row == "ode") return "more than a minute of computing";
   if (id.starts_with("G1l") && row == "ode")
     return "more than three minutes of computing; G1 and G1c show it";
   throw std::logic_error("no bounds and no reason for case " + id + " with " + row);

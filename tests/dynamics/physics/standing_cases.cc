@@ -50,14 +50,48 @@ std::vector<double> stand_as_a_large_wall(const world::EngineSetting& engine) {
   return stand_as_a_wall(engine, 10, 5.0);
 }
 
-// Boxes that fall into a heap come to rest, and none lies in another.
-std::vector<double> settle(const world::EngineSetting& engine) {
-  Lab lab(piles(engine, 1e-3, 1, 10));
-  lab.run(6.0);
+double fastest(const Lab& lab) {
   double speed = 0.0;
   for (const auto& body : lab.state.bodies)
     speed = std::max({speed, body.v_WC.norm(), 0.1 * body.w_WB.norm()});
-  return {speed, deepest(lab.contacts)};
+  return speed;
+}
+
+// Boxes that fall into a heap come to rest, and none lies in another.
+std::vector<double> settle_as_a_pile(const world::EngineSetting& engine, int boxes, double seconds) {
+  Lab lab(piles(engine, 1e-3, 1, boxes));
+  lab.run(seconds);
+  return {fastest(lab), deepest(lab.contacts)};
+}
+std::vector<double> settle(const world::EngineSetting& engine) {
+  return settle_as_a_pile(engine, 10, 6.0);
+}
+std::vector<double> settle_as_a_large_pile(const world::EngineSetting& engine) {
+  return settle_as_a_pile(engine, 100, 10.0);
+}
+
+// A tall block rocks from edge to edge. With a the angle from its axis to an edge, each landing leaves it
+// 1 - 3/2 sin² a of its speed, so it comes to rest.
+std::vector<double> stop_rocking(const world::EngineSetting& engine) {
+  constexpr double kWide = 0.2, kTall = 1.0, kTurn = 0.3;
+  ModelBuilder b(engine);
+  const auto surface = b.add_surface(0.8, 0.0);
+  b.add_ground(surface);
+  const auto block =
+      b.add_box("block", {kWide, kWide, kTall}, 5.0, at(0.0, 0.0, 0.5 * kTall - kTouch), surface);
+  b.body(block).w_WB = {0.0, kTurn, 0.0};
+  b.body(block).v_WB = Vector3d(0.0, kTurn, 0.0).cross(Vector3d(-0.5 * kWide, 0.0, 0.5 * kTall));
+  Lab lab(b.model);
+  std::vector<double> peaks{0.0};  // of the turn to either side, one after the other
+  double sign = 1.0;
+  watch(lab, 5.0, [&] {
+    const double turn = sign * lab.body("block").w_WB.y();
+    if (turn < 0.0) sign = -sign, peaks.push_back(0.0);
+    peaks.back() = std::max(peaks.back(), std::abs(turn));
+  });
+  const double sine = kWide / std::hypot(kWide, kTall), keeps = 1.0 - 1.5 * sine * sine;
+  const double landing = peaks.size() > 2 ? std::abs(peaks[2] / peaks[1] / keeps - 1.0) : 1.0;
+  return {fastest(lab), landing};
 }
 
 // Two pairs of cards that lean on each other, a card that lies on both, and a pair on top of it.
@@ -147,6 +181,12 @@ std::vector<Case> standing_cases() {
       {"K17", "WallOf5By5BricksStands", still, {{"moved_m", 1e-4}}, stand_as_a_small_wall},
       {"K17l", "WallOf10By10BricksStandsFor5s", still, {{"moved_m", 1e-4}}, stand_as_a_large_wall, true},
       {"K18", "PileOf10Settles", rest, {{"speed_m_per_s", 1e-6}, {"depth_m", 1e-4}}, settle},
+      {"K18l",
+       "PileOf100Settles",
+       rest,
+       {{"speed_m_per_s", 1e-6}, {"depth_m", 1e-4}},
+       settle_as_a_large_pile,
+       true},
       {"K19", "HouseOfSevenCardsStands", still, {{"moved_m", 1e-5}}, stand_as_a_house},
       {"K20",
        "DominoesTipEachOther",
@@ -158,6 +198,11 @@ std::vector<Case> standing_cases() {
        "closed form: Jellett's product is constant (Jellett, A treatise on the theory of friction, 1872)",
        {{"drift", 2.5e-3}, {"stuck", 0.0}},
        turn_a_tippe_top},
+      {"K22",
+       "RockingBlockComesToRest",
+       "closed form: a landing leaves 1 - 3/2 sin² a of the speed (Housner, Bull. Seism. Soc. Am., 1963)",
+       {{"speed_m_per_s", 1e-6}, {"landing", 0.02}},
+       stop_rocking},
   };
 }
 
