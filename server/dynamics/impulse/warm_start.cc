@@ -1,6 +1,7 @@
 #include "server/dynamics/impulse/warm_start.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace visum::dynamics::impulse {
@@ -19,7 +20,7 @@ Vector3d vector(const double (&from)[3]) {
 
 // The lowest bit of a record's `rest`: its island has rested. The others: how deep it has landed, in nm.
 std::int32_t packed_rest(const Touch& touch) {
-  return 2 * static_cast<std::int32_t>(touch.landed / kSmallestRiseM) +
+  return 2 * static_cast<std::int32_t>(std::lround(touch.landed / kSmallestRiseM)) +
          (touch.rested.value_or(false) ? 1 : 0);
 }
 void unpack_rest(std::int32_t rest, Touch& touch) {
