@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0x5f0226765fe6902aull},        {"ImpulseOrder4", 0x806f1c339e7cdb5dull},
-    {"ImpulseIterate", 0x3939f7abbb4c4f55ull},
+    {"Impulse", 0xf95dc8fbf090f1d1ull},        {"ImpulseOrder4", 0xddc0e092d1350ff5ull},
+    {"ImpulseIterate", 0xbffbc69a1fc4f8e9ull},
 };
 
 class Golden : public Contract {};
