@@ -96,8 +96,7 @@ struct Touch {
   Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
   bool yields = false;    // one of the two bodies moves by another engine
   double depth = 0.0, friction = 0.0, restitution = 0.0;
-  double landed =
-      0.0;  // m of the depth that is left alone, since the bodies have landed so (note_landings())
+  double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
   double rolling_friction = 0.0, torsional_friction = 0.0;
   std::array<Vector3d, kMoments> impulse;  // in the frame, N·s
   std::array<Vector3d, kMoments> twist;    // of rolling and torsional friction, in the frame, N·m·s
