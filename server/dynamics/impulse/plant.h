@@ -296,7 +296,8 @@ double normal_speed(const Plant& plant, const Touch& touch);
 
 // Notes how deep each pair of shapes has landed: a body falls into another one before it is seen to touch, by
 // up to its speed times h. Lifting it out at once would give a rocking tower more energy than landings take,
-// and it would rock for ever. So up to g h² of that depth is left alone, and taken out within a second.
+// and it would rock for ever. So up to g h² of that depth is left alone, and taken out with the time constant
+// kRiseS.
 void note_landings(Plant& plant, std::span<const collision::Contact> contacts, double h);
 // Makes the touches of this tick from the contacts that concern this engine's bodies.
 void find_touches(Plant& plant, std::span<const collision::Contact> contacts, const world::WorldState& state);
