@@ -5,9 +5,9 @@
 // Symbols: M mass, j direction that a row measures, p direction that it pushes (j plus the friction that it
 // drags along), s > 0 its softness, r what it misses, l its impulse. From  M dv = sum p l,  l = (r - j dv)/s:
 //   (M + sum p j^T / s) dv = sum p r / s
-// The matrix is kept in blocks of a body by a body. Each row of blocks is stored from the first block that is
-// not zero (George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 4). Rows
-// are not exchanged.
+// The matrix is kept in blocks of a body by a body, of which only those are stored that are not zero
+// (elimination.h; George, Liu, Computer Solution of Large Sparse Positive Definite Systems, 1981, chapter 5).
+// Rows are not exchanged beyond a body's own six.
 #pragma once
 
 #include <array>
@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "server/dynamics/impulse/elimination.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
 
 namespace visum::dynamics::impulse {
@@ -47,15 +48,13 @@ class BodyFactor {
 
  private:
   using Block = std::array<double, 36>;
-  Block& row(std::size_t i, std::size_t j) { return lower_[start_[i] + j - first_[i]]; }
-  Block& column(std::size_t i, std::size_t j) { return upper_[start_[i] + j - first_[i]]; }
 
   const Kernels* kernels_;
   std::span<const FreeBody> bodies_;
   bool symmetric_ = false;
-  std::vector<std::size_t> first_, start_;  // by body
-  std::vector<Block> lower_, upper_;        // upper_ by columns; on the diagonal only lower_ counts
-  std::vector<Block> inverse_;              // of the blocks on the diagonal
+  Elimination elimination_;
+  std::vector<Block> diagonal_, inverse_;  // by position
+  std::vector<Block> lower_, upper_;       // by entry; upper_ holds the entry's transposed place
 };
 
 }  // namespace visum::dynamics::impulse

@@ -125,7 +125,7 @@ inline bool is_held_from_turning(const Touch& touch) {
 // Directions of a spring's force on B: (w, v) is a unit torque or a unit force in W, and pa, pb are the
 // points of the two bodies on which it acts.
 struct Pull {
-  Vector3d w, v, pa, pb;
+  Vector3d w = Vector3d::Zero(), v = Vector3d::Zero(), pa = Vector3d::Zero(), pb = Vector3d::Zero();
 };
 
 // A spring with a damper between two points, or about an axis (springs.cc).

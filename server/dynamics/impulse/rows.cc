@@ -8,14 +8,15 @@
 // a little more, as a spring, and settle.
 //
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
-// With mechanisms an answer near the start is looked for next (rows_near.cc).
-// Otherwise each proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at
-// their bounds, and then solves the others at once (rows_active.cc), or with their bounds by Newton's method
-// (rows_newton.cc). Where that does not end for free bodies, the rows are softened a hundredfold: near its
-// centre such a point is easily found. It becomes the next centre, with less softness, until none is left
-// over. As a last way, sweeps follow that nonlinear conjugate gradients speed up: Silcowitz-Hansen, Niebe,
-// Erleben, A nonsmooth nonlinear conjugate gradient method for interactive contact force problems, Visual
-// Computer 26 (2010). A sweep forwards and back counts as one gradient.
+// With mechanisms an answer near the start is looked for next (rows_near.cc); free bodies alone come from
+// soft points to firm ones (rows_free.cc). Otherwise each proximal point takes a sweep of projected
+// Gauss-Seidel, which finds the rows that are at their bounds, and then solves the others at once
+// (rows_active.cc), or with their bounds by Newton's method (rows_newton.cc). Where that does not end for
+// free bodies, the rows are softened a hundredfold: near its centre such a point is easily found. It becomes
+// the next centre, with less softness, until none is left over. As a last way, sweeps follow that nonlinear
+// conjugate gradients speed up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient
+// method for interactive contact force problems, Visual Computer 26 (2010). A sweep forwards and back counts
+// as one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -287,6 +288,11 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
     }
   }
   island_->changed = true;
+  if (responses_.empty() && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist)) {
+    const double missed = largest_miss();
+    island_->solved = follow_free_points(missed, least, share);
+    if (island_->solved) return missed;
+  }
   // One sweep tells which rows are at their bounds, and how large the changes are.
   const double missed = sweep(true);
   const double enough = std::max(least, share * note_change());
@@ -338,19 +344,22 @@ double Rows::sweep_gently(int sweeps) {
   return missed;
 }
 
+bool Rows::has(RowBlock::Kind kind) const {
+  return std::ranges::any_of(blocks_, [kind](const RowBlock& block) { return block.kind == kind; });
+}
+
 // Comes after a sweep, which has found the rows at their bounds. With mechanisms a solution at once is dear,
 // so two more sweeps come before it and after it; what they smooth is not left to the next look-ahead. Each
 // round begins with Newton's method, with mechanisms from the second on. Returns the largest miss at the end.
 double Rows::settle(double enough) {
   const bool alone = responses_.empty();
-  const bool twists = std::ranges::any_of(
-      blocks_, [](const RowBlock& block) { return block.kind == RowBlock::Kind::kTwist; });
+  const bool twists = has(RowBlock::Kind::kTwist);
   double largest = 0.0;
   for (int round = 0; round < (alone ? kMostFreeRounds : kMostRounds); ++round) {
     if (round > 0 || !alone)
       if (largest = sweep_often(2, enough); largest <= enough) return largest;
     if ((round > 0 || alone) && !twists) {
-      if (largest = newton(enough); largest <= enough && alone) return largest;
+      if (largest = newton(enough, kMostNewtonPasses, true); largest <= enough && alone) return largest;
       if (largest <= enough) continue;
     }
     if (round > 0 && blocks_.size() > kMostForSteps) {

@@ -202,6 +202,10 @@ class Rows {
   // From proximal point to proximal point, until the softness leaves no error. Returns false where one was
   // not found.
   bool follow_points(double enough);
+  // rows_free.cc: the same for free bodies without rolling friction, from soft points on. The rows miss by
+  // `missed` at the start, and may miss as solve() says at the end.
+  bool follow_free_points(double missed, double least, double share);
+  bool has(RowBlock::Kind kind) const;
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
   double error(const Row& row) const;
@@ -292,8 +296,10 @@ class Rows {
 
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
   // it found no answer, and came as near as that.
-  double newton(double enough, int most_passes = kMostNewtonPasses);
-  double newton_from(double best, double enough, int most_passes);  // the kept point misses by `best`
+  // `exact`: goes on to next to nothing once it is near enough.
+  double newton(double enough, int most_passes, bool exact);
+  // The same, from the kept point, which misses by `best`.
+  double newton_from(double best, double enough, int most_passes, bool exact);
   // One whole step. Returns false where the system has no factor.
   bool newton_step();
   // Put a block on the side where the projection leads, and its other rows into the active list.

@@ -40,7 +40,7 @@ bool Rows::settle_near_start(double missed, double enough) {
   keep(start_);
   const bool by_newton = slides();
   for (int point = 0; point < kMostNearPoints; ++point) {
-    const double left = by_newton                              ? newton(enough, kMostNearPasses)
+    const double left = by_newton                              ? newton(enough, kMostNearPasses, true)
                         : solve_active(enough, kMostNearSteps) ? largest_miss()
                                                                : std::numeric_limits<double>::infinity();
     if (!(left <= enough)) break;

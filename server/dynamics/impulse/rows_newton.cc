@@ -121,21 +121,22 @@ void Rows::go_half_back_to(const Point& point) {
 // A step that comes no nearer is often the way to an answer, so a few whole steps are taken first. Then the
 // best point is taken up again, and steps are halved until they come nearer. One step more follows the first
 // that is near enough: it costs little, and leaves next to nothing to drift from tick to tick.
-double Rows::newton(double enough, int most_passes) {
+double Rows::newton(double enough, int most_passes, bool exact) {
   const double start = largest_miss();
   keep(last_);
   try {
-    return newton_from(start, enough, most_passes);
+    return newton_from(start, enough, most_passes, exact);
   } catch (const WorkSpent&) {
     put_back(last_);  // a limited step starts from there
     throw;
   }
 }
 
-double Rows::newton_from(double best, double enough, int most_passes) {
+double Rows::newton_from(double best, double enough, int most_passes, bool exact) {
   int worse = 0;
   for (int pass = 0; pass < most_passes; ++pass) {
     const bool last = best <= enough;
+    if (last && !exact) break;
     if (!newton_step()) break;
     double miss = largest_miss();
     for (int k = 0; worse == kMostWorse && k < kMostStepHalvings && !(miss < best); ++k) {

@@ -14,23 +14,43 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A chain of bodies: two rows between neighbours, one more across a body, and one to the ground.
+using Pairs = std::vector<std::array<std::size_t, 2>>;
+
 struct Lines {
   std::vector<FreeBody> bodies;
-  std::vector<std::array<std::size_t, 2>> ends;
+  Pairs ends;
   MatrixXd J, P, M;  // row by row: J, P; mass
   VectorXd softness, missing;
 };
 
-Lines make_rows(std::size_t count, double drag) {
+// A chain of bodies: two rows between neighbours, one more across a body, and one to the ground.
+Pairs chain(std::size_t count) {
+  Pairs ends;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    for (int twice = 0; twice < 2; ++twice) ends.push_back({i, i + 1});
+    if (i + 2 < count) ends.push_back({i, i + 2});
+  }
+  ends.push_back({0, 0});
+  return ends;
+}
+
+// Neighbours in a square, with a hub that touches every third one, each pair either way round.
+Pairs square_with_hub(std::size_t side) {
+  Pairs ends;
+  const std::size_t hub = side * side;
+  for (std::size_t i = 0; i < hub; ++i) {
+    if (i % side + 1 < side) ends.push_back({i, i + 1});
+    if (i + side < hub) ends.push_back({i + side, i});
+    if (i % 3 == 0) ends.push_back({i, hub});
+  }
+  return ends;
+}
+
+Lines make_rows(std::size_t count, const Pairs& ends, double drag) {
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Lines rows;
-  for (std::size_t i = 0; i + 1 < count; ++i) {
-    for (int twice = 0; twice < 2; ++twice) rows.ends.push_back({i, i + 1});
-    if (i + 2 < count) rows.ends.push_back({i, i + 2});
-  }
-  rows.ends.push_back({0, 0});
+  rows.ends = ends;
   const auto m = static_cast<Eigen::Index>(rows.ends.size()), n = static_cast<Eigen::Index>(6 * count);
   rows.J = rows.P = MatrixXd::Zero(m, n);
   rows.M = MatrixXd::Zero(n, n);
@@ -66,8 +86,7 @@ BodyFactor::Vector6 part(const MatrixXd& of, Eigen::Index row, std::size_t body)
   return result;
 }
 
-VectorXd change_by_bodies(const Lines& rows, bool symmetric, const Kernels& by = kernels()) {
-  BodyFactor factor(by);
+VectorXd change_by_bodies(const Lines& rows, bool symmetric, BodyFactor& factor) {
   factor.start(rows.bodies, symmetric);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);
   EXPECT_TRUE(factor.place(100'000));
@@ -88,6 +107,11 @@ VectorXd change_by_bodies(const Lines& rows, bool symmetric, const Kernels& by =
   return Eigen::Map<const VectorXd>(change.data(), pushed.size());
 }
 
+VectorXd change_by_bodies(const Lines& rows, bool symmetric, const Kernels& by = kernels()) {
+  BodyFactor factor(by);
+  return change_by_bodies(rows, symmetric, factor);
+}
+
 // (J M^-1 P^T + S) l = r, then dv = M^-1 P^T l.
 VectorXd change_by_rows(const Lines& rows) {
   const MatrixXd pushed = rows.M.inverse() * rows.P.transpose();
@@ -97,22 +121,39 @@ VectorXd change_by_rows(const Lines& rows) {
 }
 
 TEST(BodyFactor, ChangesVelocitiesAsTheRowsOwnSystemDoes) {
-  const Lines rows = make_rows(6, 0.0);
+  const Lines rows = make_rows(6, chain(6), 0.0);
   const VectorXd expected = change_by_rows(rows);
   EXPECT_LT((change_by_bodies(rows, true) - expected).norm(), 1e-8 * expected.norm());
   EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
 }
 
 TEST(BodyFactor, KnowsFrictionThatIsDraggedAlong) {
-  const Lines rows = make_rows(6, 0.05);
+  const Lines rows = make_rows(6, chain(6), 0.05);
   const VectorXd expected = change_by_rows(rows);
   EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
+}
+
+TEST(BodyFactor, SolvesForBodiesThatTouchAllAround) {
+  for (const double drag : {0.0, 0.05}) {
+    const Lines rows = make_rows(26, square_with_hub(5), drag);
+    const VectorXd expected = change_by_rows(rows);
+    EXPECT_LT((change_by_bodies(rows, drag == 0.0) - expected).norm(), 1e-8 * expected.norm());
+  }
+}
+
+// The same object, with another pattern and back, as islands change from tick to tick.
+TEST(BodyFactor, HasTheSameBitsWhateverItSolvedBefore) {
+  const Lines rows = make_rows(26, square_with_hub(5), 0.0), other = make_rows(26, chain(26), 0.0);
+  BodyFactor used(kernels());
+  const VectorXd first = change_by_bodies(rows, true, used);
+  EXPECT_EQ(change_by_bodies(other, true, used), change_by_bodies(other, true));
+  EXPECT_EQ(change_by_bodies(rows, true, used), first);
 }
 
 TEST(BodyFactor, HasTheSameBitsFromBothKernels) {
   if (kWideKernels == nullptr || !__builtin_cpu_supports("avx2")) GTEST_SKIP() << "no AVX2 here";
   for (const bool symmetric : {true, false}) {
-    const Lines rows = make_rows(9, symmetric ? 0.0 : 0.05);
+    const Lines rows = make_rows(9, chain(9), symmetric ? 0.0 : 0.05);
     EXPECT_EQ(change_by_bodies(rows, symmetric, kBaselineKernels),
               change_by_bodies(rows, symmetric, *kWideKernels));
   }
@@ -168,12 +209,12 @@ TEST(EnvelopeLu, KeepsTheRowsBeforeThoseThatChange) {
 }
 
 TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
-  const Lines rows = make_rows(6, 0.0);
+  const Lines rows = make_rows(6, chain(6), 0.0);
   BodyFactor factor;
   factor.start(rows.bodies, true);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);
   EXPECT_FALSE(factor.place(36 * 14));
-  EXPECT_TRUE(factor.place(36 * 15));  // 1 + 2 + four times 3
+  EXPECT_TRUE(factor.place(36 * 15));  // six on the diagonal, five between neighbours, four across one
 }
 
 // A body of 1 kg with a row that pushes along (push_x, push_y) and measures along (1, 2).

@@ -1,18 +1,21 @@
-// The matrices of body_factor.h and envelope_lu.h, as kernels see them. Each row is stored from its first
-// entry (or block) that is not zero, each column likewise.
+// The matrices of body_factor.h and envelope_lu.h, as kernels see them.
 #pragma once
 
 #include <cstddef>
 
 namespace visum::dynamics::impulse {
 
+// By columns, of which only the blocks below the diagonal that are not zero are stored.
 struct BlockMatrix {
-  const std::size_t *first, *start;  // by row: its first column, and where it begins in `lower` and `upper`
-  double *lower, *upper, *inverse;   // blocks of 6 x 6, by rows; inverse: of the blocks on the diagonal
-  std::size_t count;                 // of rows
-  bool symmetric;                    // `upper` follows from `lower`
+  const std::size_t *begins,
+      *rows;                   // by column: where its blocks begin, one more at the end; by block: its row
+  double *diagonal, *inverse;  // blocks of 6 x 6, by column; inverse: of the blocks on the diagonal
+  double *lower, *upper;       // by block; upper: that of the transposed place
+  std::size_t count;           // of columns
+  bool symmetric;              // `upper` follows from `lower`
 };
 
+// Each row is stored from its first entry that is not zero, each column likewise.
 struct EnvelopeMatrix {
   const std::size_t *first, *start;
   double *lower, *upper, *inverse_diagonal;

@@ -109,31 +109,40 @@ void add_products(double* c, const double* x, const double* y, std::size_t count
   }
 }
 
-// L_ij = (A_ij - sum L_ik U_kj) D_j^-1 and U_ji = A_ji - sum L_jk U_ki, block by block (body_factor.h).
+// The inverse of a block on the diagonal. Friction that is dragged along may make single pivots negative or
+// zero; the block is sound nevertheless. Returns false where there is none.
+bool invert_diagonal(double* to, const double* from, bool symmetric) {
+  __builtin_memcpy(to, from, 36 * sizeof(double));
+  if (invert(to)) return true;
+  if (symmetric) return false;
+  __builtin_memcpy(to, from, 36 * sizeof(double));
+  return invert_with_pivots(to);
+}
+
+// Column after column: L_ik = A_ik D_k^-1, then A_ij -= L_ik U_kj for each two blocks of the column
+// (body_factor.h). Their target is in the column of the earlier one, where the rows of this one stand, too.
 bool factor_blocks(BlockMatrix of) {
-  const auto at = [&](double* blocks, std::size_t i, std::size_t j) {
-    return blocks + 36 * (of.start[i] + j - of.first[i]);
-  };
-  for (std::size_t i = 0; i < of.count; ++i) {
-    for (std::size_t j = of.first[i]; j <= i; ++j) {
-      double *const low = at(of.lower, i, j), *const up = at(of.upper, i, j);
-      for (std::size_t k = of.first[i] > of.first[j] ? of.first[i] : of.first[j]; k < j; ++k) {
-        subtract_product(low, at(of.lower, i, k), at(of.upper, j, k));
-        if (i != j && !of.symmetric) subtract_product(up, at(of.lower, j, k), at(of.upper, i, k));
-      }
-      if (i == j) continue;
+  for (std::size_t k = 0; k < of.count; ++k) {
+    double* const inverse = of.inverse + 36 * k;
+    if (!invert_diagonal(inverse, of.diagonal + 36 * k, of.symmetric)) return false;
+    const std::size_t begin = of.begins[k], end = of.begins[k + 1];
+    for (std::size_t e = begin; e < end; ++e) {
+      double *const low = of.lower + 36 * e, *const up = of.upper + 36 * e;
       if (of.symmetric)
         for (int r = 0; r < 6; ++r)
           for (int c = 0; c < 6; ++c) up[6 * c + r] = low[6 * r + c];
-      multiply(low, of.inverse + 36 * j);
+      multiply(low, inverse);
     }
-    double* const inverse = of.inverse + 36 * i;
-    __builtin_memcpy(inverse, at(of.lower, i, i), 36 * sizeof(double));
-    if (invert(inverse)) continue;
-    // Friction that is dragged along may make single pivots negative or zero; the block is sound
-    // nevertheless.
-    __builtin_memcpy(inverse, at(of.lower, i, i), 36 * sizeof(double));
-    if (of.symmetric || !invert_with_pivots(inverse)) return false;
+    for (std::size_t e = begin; e < end; ++e) {
+      const std::size_t j = of.rows[e];
+      subtract_product(of.diagonal + 36 * j, of.lower + 36 * e, of.upper + 36 * e);
+      std::size_t at = of.begins[j];
+      for (std::size_t f = e + 1; f < end; ++f, ++at) {
+        while (of.rows[at] != of.rows[f]) ++at;
+        subtract_product(of.lower + 36 * at, of.lower + 36 * f, of.upper + 36 * e);
+        if (!of.symmetric) subtract_product(of.upper + 36 * at, of.lower + 36 * e, of.upper + 36 * f);
+      }
+    }
   }
   return true;
 }

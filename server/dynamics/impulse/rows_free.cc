@@ -1,0 +1,101 @@
+// Free bodies alone: their rows, softened where they are hard to solve, and then made firmer.
+//
+// Newton's method (rows_newton.cc) finds a proximal point from the last tick's impulses where few contacts
+// change sides. Where many do, or repeat each other, it seldom finds a firm point, but nearly always a soft
+// one. That one is the centre of the next, with less softness; one that is not found is sought again with
+// more. A soft point need not be exact: a tenth of what its softness leaves is enough.
+#include <algorithm>
+#include <cmath>
+
+#include "server/dynamics/impulse/rows.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+constexpr int kMostFreePoints = 50, kMostFailures = 15;  // in one solution
+// Newton's passes for a point: at the least softness, and otherwise.
+constexpr int kMostFirmPasses = 6, kMostSoftPasses = 8;
+constexpr double kInexact = 0.1;  // share of the softness' error that a soft point may miss
+// Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
+// this share of what the one before it left. More points are no help then, so it may leave so many times what
+// is enough.
+constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
+
+// Softness from point to point, as a share of the rows' responses. The first is the least; where that point
+// is not found, it begins with kSoft and falls to kFirm, by smaller steps after a point that is not found.
+class Softness {
+ public:
+  explicit Softness(double least) : least_(least), now_(least) {}
+
+  double now() const { return now_; }
+  bool is_least() const { return now_ == least_; }
+  bool is_firm() const { return now_ <= firmest_; }
+
+  // Where impulses creep it falls below kFirm.
+  void note_found(bool creeping) {
+    if (creeping) firmest_ = std::max(least_, kBy * now_);
+    found_ = now_;
+    now_ = std::max(firmest_, by_ * now_);
+    by_ = std::max(kBy, by_ * by_);
+  }
+
+  void note_missing() {
+    if (now_ < 0.5 * found_) {  // half the step down, in powers
+      by_ = std::sqrt(by_);
+      now_ = by_ * found_;
+      return;
+    }
+    now_ = is_least() ? kSoft : std::min(kMost, now_ / kBy);
+    by_ = kBy;
+    found_ = 0.0;
+  }
+
+ private:
+  static constexpr double kSoft = 0.1, kMost = 1.0, kFirm = 1e-3, kBy = 0.1;
+
+  double least_, now_, firmest_ = kFirm;
+  double found_ = 0.0;  // the last one with which a point was found, if it is known to help
+  double by_ = kBy;     // the next step down
+};
+
+}  // namespace
+
+bool Rows::follow_free_points(double missed, double least, double share) {
+  double enough = std::max(least, share * note_change()), left = missed;
+  Softness softness(least_softness());
+  bool solved = false, crept = false;
+  int failures = 0;
+  for (int point = 0; point < kMostFreePoints && !solved && failures <= kMostFailures; ++point) {
+    const bool softened = !softness.is_least();
+    hold_softly(softness.now());
+    move_centres(softened ? softness.now() : 0.0);
+    keep(start_);
+    const bool exact = left <= enough || softness.is_firm();
+    const double goal = exact ? enough : std::max(enough, kInexact * left);
+    if (!(newton(goal, softened ? kMostSoftPasses : kMostFirmPasses, exact) <= goal)) {
+      put_back(start_);
+      softness.note_missing();
+      ++failures;
+      continue;
+    }
+    // How large the impulses are is known only now.
+    enough = std::max(least, share * note_change());
+    const double before = left;
+    left = left_by_softness();
+    const bool creeping = left > kCreeping * before;
+    crept = crept || (exact && creeping);
+    solved =
+        (exact && (left <= enough || (crept && !softened))) || (creeping && left <= kCreepingMiss * enough);
+    if (left > enough) softness.note_found(crept);
+  }
+  // Errors of rest add up from tick to tick, so the last point is as firm as all others are.
+  if (solved && !softness.is_least()) {
+    hold_softly(least_softness());
+    move_centres(0.0);
+    newton(enough, kMostSoftPasses, true);
+  }
+  hold_softly(least_softness());
+  return solved;
+}
+
+}  // namespace visum::dynamics::impulse
