@@ -35,9 +35,9 @@ void BodyFactor::connect(std::size_t a, std::size_t b) {
 }
 
 bool BodyFactor::place(std::size_t most_entries) {
-  elimination_.find();
-  const std::size_t count = elimination_.count(), entries = elimination_.entries();
-  if (36 * (count + entries) > most_entries) return false;
+  const std::size_t count = bodies_.size(), most_blocks = most_entries / 36;
+  if (count > most_blocks || !elimination_.find(most_blocks - count)) return false;
+  const std::size_t entries = elimination_.entries();
   diagonal_.resize(count);
   for (std::size_t k = 0; k < count; ++k) diagonal_[k] = mass_block(bodies_[elimination_.order()[k]]);
   inverse_.resize(count);
@@ -58,7 +58,7 @@ void BodyFactor::add(std::size_t a, std::span<const Vector6> push, std::size_t b
 }
 
 std::uint64_t BodyFactor::multiplications() const {
-  return 216 * elimination_.products(symmetric_);
+  return 216 * (elimination_.count() + elimination_.products(symmetric_));
 }
 
 bool BodyFactor::factor() {

@@ -27,8 +27,8 @@ struct FreeBody {
   std::array<double, 9> inertia{};  // about the centre of mass, in W
 };
 
-// Owned by Rows, used on the tick's thread. Call in the order of the declarations. From one use to the next
-// only the memory is kept.
+// Owned by Rows, used on the tick's thread. Call in the order of the declarations. Nothing that is kept from
+// one use to the next shows in a result.
 class BodyFactor {
  public:
   using Vector6 = std::array<double, 6>;  // angular, linear
@@ -40,7 +40,8 @@ class BodyFactor {
   void start(std::span<const FreeBody> bodies, bool symmetric);
   void connect(std::size_t a, std::size_t b);  // a row holds both bodies
   bool place(std::size_t most_entries);        // puts M in place; false if there would be more entries
-  std::uint64_t multiplications() const;       // in factor(), once placed
+  // In factor(), once placed: of each body's inverse, and of the products.
+  std::uint64_t multiplications() const;
   // Adds sum push measure^T: an impulse pushes body a, and b is where the row measures.
   void add(std::size_t a, std::span<const Vector6> push, std::size_t b, std::span<const Vector6> measure);
   bool factor();                             // false where a body cannot be solved for

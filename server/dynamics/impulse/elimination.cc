@@ -42,10 +42,12 @@ void Elimination::connect(std::size_t a, std::size_t b) {
   if (a != b && (pairs_.empty() || pairs_.back() != Pair{a, b})) pairs_.emplace_back(a, b);
 }
 
-void Elimination::find() {
-  if (count_ == found_count_ && pairs_ == found_pairs_) return;
+bool Elimination::find(std::size_t most_entries) {
+  if (count_ == found_count_ && most_entries == found_most_ && pairs_ == found_pairs_) return fits_;
   found_count_ = count_;
+  found_most_ = most_entries;
   found_pairs_ = pairs_;
+  fits_ = false;
   words_ = (count_ + kBits - 1) / kBits;
   neighbours_.assign(count_ * words_, 0);
   for (const auto& [a, b] : pairs_) {
@@ -63,10 +65,11 @@ void Elimination::find() {
   begins_.assign(1, 0);
   rows_.clear();
   while (!left_.empty()) {
-    // The one with the lowest number comes first.
+    // The lowest number comes first among equals.
     const auto next = std::ranges::min_element(left_, {}, [this](std::size_t i) { return degree_[i]; });
     eliminate(*next);
     left_.erase(next);
+    if (rows_.size() > most_entries) return false;
   }
   // Entries were noted by unknown so far; from here on they are positions.
   for (std::size_t k = 0; k < count_; ++k) {
@@ -74,6 +77,8 @@ void Elimination::find() {
     for (std::size_t& row : column) row = position_[row];
     std::ranges::sort(column);
   }
+  fits_ = true;
+  return true;
 }
 
 void Elimination::eliminate(std::size_t unknown) {

@@ -1,7 +1,7 @@
-// In which order the unknowns of a sparse system are eliminated, and which entries that makes: always the
-// unknown next that the fewest others still hang on (minimum degree; George, Liu, The evolution of the
-// minimum degree ordering algorithm, SIAM Review 31, 1989). The bodies of a wall then take a fifth of the
-// work that they take in the order in which they touch.
+// Finds an order in which to eliminate the unknowns of a sparse system, and the entries that this makes. The
+// next unknown is always the one with the fewest neighbours left (minimum degree; George, Liu, The evolution
+// of the minimum degree ordering algorithm, SIAM Review 31, 1989). The bodies of a wall then take a fifth of
+// the work that they take in the order in which they touch.
 //
 // A position is a place in that order. Column k has the entries below the diagonal that position k leaves.
 #pragma once
@@ -15,12 +15,13 @@
 namespace visum::dynamics::impulse {
 
 // Owned by BodyFactor, used on one thread. Call start(), connect() for each pair, then find(). The result
-// follows from these calls alone.
+// follows from these calls alone; the last one is kept, and given again for the same pairs.
 class Elimination {
  public:
   void start(std::size_t count);  // of unknowns
   void connect(std::size_t a, std::size_t b);
-  void find();
+  // Takes about count²/2 steps. False, without a result, if there would be more entries than that.
+  bool find(std::size_t most_entries);
 
   std::size_t count() const { return order_.size(); }
   std::size_t entries() const { return rows_.size(); }           // below the diagonal
@@ -43,6 +44,8 @@ class Elimination {
   using Pair = std::pair<std::size_t, std::size_t>;
   std::vector<Pair> pairs_, found_pairs_;  // as connected; those of the last find()
   std::size_t count_ = 0, found_count_ = 0;
+  std::size_t found_most_ = 0;
+  bool fits_ = false;      // what the last find() said
   std::size_t words_ = 0;  // of a set of unknowns, a bit for each
   std::vector<std::uint64_t> neighbours_;
   std::vector<std::size_t> degree_, left_;  // by unknown; the unknowns still to come, ascending

@@ -288,24 +288,28 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
     }
   }
   island_->changed = true;
+  double missed = 0.0;
   if (responses_.empty() && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist)) {
-    const double missed = largest_miss();
+    missed = largest_miss();
     island_->solved = follow_free_points(missed, least, share);
     if (island_->solved) return missed;
   }
   // One sweep tells which rows are at their bounds, and how large the changes are.
-  const double missed = sweep(true);
+  missed = std::max(missed, sweep(true));
   const double enough = std::max(least, share * note_change());
   island_->solved = follow_points(enough) || sweep_and_accelerate(most_sweeps, enough) <= enough;
   return missed;
 }
 
-// The error that the softness leaves. A yielding normal is meant to stay soft.
+// The error that the softness leaves. A yielding normal is meant to stay soft, but no softer.
 double Rows::left_by_softness() const {
   double left = 0.0;
   for (const RowBlock& block : blocks_)
-    for (std::size_t i = block.gives ? 1 : 0; i < block.dim; ++i)
-      left = std::max(left, block.softness[i] * std::abs(block.lambda[i] - block.centre[i]));
+    for (std::size_t i = 0; i < block.dim; ++i) {
+      double pull = block.softness[i] * (block.lambda[i] - block.centre[i]);
+      if (i == 0 && block.gives) pull -= kGive * block.K[0] * (block.lambda[0] - block.rest);
+      left = std::max(left, std::abs(pull));
+    }
   return left;
 }
 

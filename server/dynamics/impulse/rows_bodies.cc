@@ -78,6 +78,8 @@ bool Rows::factor_bodies(std::size_t most_entries) {
   for (const Row& row : active_)
     if (const RowBlock& block = blocks_[row.block]; block.end_count == 2)
       body_factor_.connect(block.ends[0].offset / 6, block.ends[1].offset / 6);
+  // The search for an order looks at all bodies that are left, once for each.
+  count_factor(bodies_.size() * bodies_.size() / 2 / WorkBudget::kMultiplications);
   if (!body_factor_.place(most_entries)) return false;
   count_factor(body_factor_.multiplications() / WorkBudget::kMultiplications);
   for (std::size_t i = 0; i < active_.size();) {

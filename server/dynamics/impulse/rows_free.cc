@@ -2,10 +2,12 @@
 //
 // Newton's method (rows_newton.cc) finds a proximal point from the last tick's impulses where few contacts
 // change sides. Where many do, or repeat each other, it seldom finds a firm point, but nearly always a soft
-// one. That one is the centre of the next, with less softness; one that is not found is sought again with
-// more. A soft point need not be exact: a tenth of what its softness leaves is enough.
+// one. A soft point is the centre of the next point, which has less softness. A point that is not found is
+// sought again with more softness. A soft point need not be exact: it may miss a share kInexact of what the
+// softness before it has left.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/dynamics/impulse/rows.h"
 
@@ -15,7 +17,7 @@ namespace {
 constexpr int kMostFreePoints = 50, kMostFailures = 15;  // in one solution
 // Newton's passes for a point: at the least softness, and otherwise.
 constexpr int kMostFirmPasses = 6, kMostSoftPasses = 8;
-constexpr double kInexact = 0.1;  // share of the softness' error that a soft point may miss
+constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
 // this share of what the one before it left. More points are no help then, so it may leave so many times what
 // is enough.
@@ -33,25 +35,31 @@ class Softness {
 
   // Where impulses creep it falls below kFirm.
   void note_found(bool creeping) {
-    if (creeping) firmest_ = std::max(least_, kBy * now_);
+    if (creeping) firmest_ = step_to(kBy * now_, least_);
     found_ = now_;
-    now_ = std::max(firmest_, by_ * now_);
+    now_ = std::min(now_, step_to(by_ * now_, firmest_));
     by_ = std::max(kBy, by_ * by_);
   }
 
-  void note_missing() {
-    if (now_ < 0.5 * found_) {  // half the step down, in powers
+  // False where not even the softest point was found.
+  bool note_missing() {
+    if (now_ == kMost) return false;
+    if (now_ < 0.5 * found_) {
       by_ = std::sqrt(by_);
       now_ = by_ * found_;
-      return;
+      return true;
     }
     now_ = is_least() ? kSoft : std::min(kMost, now_ / kBy);
     by_ = kBy;
     found_ = 0.0;
+    return true;
   }
 
  private:
   static constexpr double kSoft = 0.1, kMost = 1.0, kFirm = 1e-3, kBy = 0.1;
+
+  // Powers of ten are rounded: what is next to the bound is the bound.
+  static double step_to(double to, double bound) { return to < 1.5 * bound ? bound : to; }
 
   double least_, now_, firmest_ = kFirm;
   double found_ = 0.0;  // the last one with which a point was found, if it is known to help
@@ -61,41 +69,37 @@ class Softness {
 }  // namespace
 
 bool Rows::follow_free_points(double missed, double least, double share) {
-  double enough = std::max(least, share * note_change()), left = missed;
+  double enough = std::max(least, share * note_change());
+  double left = std::numeric_limits<double>::infinity();
   Softness softness(least_softness());
-  bool solved = false, crept = false;
+  bool softened = false, solved = false, creeping = false;
   int failures = 0;
-  for (int point = 0; point < kMostFreePoints && !solved && failures <= kMostFailures; ++point) {
-    const bool softened = !softness.is_least();
+  for (int point = 0; point < kMostFreePoints && !solved && failures < kMostFailures; ++point) {
+    softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
     keep(start_);
     const bool exact = left <= enough || softness.is_firm();
-    const double goal = exact ? enough : std::max(enough, kInexact * left);
+    const double goal = exact ? enough : std::max(enough, kInexact * std::min(left, missed));
     if (!(newton(goal, softened ? kMostSoftPasses : kMostFirmPasses, exact) <= goal)) {
       put_back(start_);
-      softness.note_missing();
       ++failures;
+      if (!softness.note_missing()) break;
       continue;
     }
     // How large the impulses are is known only now.
     enough = std::max(least, share * note_change());
     const double before = left;
     left = left_by_softness();
-    const bool creeping = left > kCreeping * before;
-    crept = crept || (exact && creeping);
-    solved =
-        (exact && (left <= enough || (crept && !softened))) || (creeping && left <= kCreepingMiss * enough);
-    if (left > enough) softness.note_found(crept);
-  }
-  // Errors of rest add up from tick to tick, so the last point is as firm as all others are.
-  if (solved && !softness.is_least()) {
-    hold_softly(least_softness());
-    move_centres(0.0);
-    newton(enough, kMostSoftPasses, true);
+    creeping = creeping || left > kCreeping * before;
+    solved = (exact && left <= enough) || (creeping && left <= kCreepingMiss * enough);
+    if (!solved && left > enough) softness.note_found(exact && creeping);
   }
   hold_softly(least_softness());
-  return solved;
+  if (!softened) return solved;
+  move_centres(0.0);
+  // Errors of rest add up from tick to tick, so the last point is as firm as all others are.
+  return solved && newton(enough, kMostSoftPasses, true) <= (creeping ? kCreepingMiss : 1.0) * enough;
 }
 
 }  // namespace visum::dynamics::impulse

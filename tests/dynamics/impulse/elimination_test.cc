@@ -18,7 +18,7 @@ Elimination found(std::size_t count, const std::vector<Pair>& pairs) {
   Elimination elimination;
   elimination.start(count);
   for (const auto& [a, b] : pairs) elimination.connect(a, b);
-  elimination.find();
+  EXPECT_TRUE(elimination.find(100'000));
   return elimination;
 }
 
@@ -91,6 +91,14 @@ TEST(Elimination, CountsTheProductsOfAFactor) {
   EXPECT_EQ(found(3, triangle).products(false), 2u + 4u + 1u + 1u);
 }
 
+TEST(Elimination, RefusesMoreEntriesThanItMayHave) {
+  Elimination of = found(3, {{0, 1}, {1, 2}, {2, 0}});
+  EXPECT_FALSE(of.find(2));
+  EXPECT_FALSE(of.find(2)) << "nor from what it has kept";
+  EXPECT_TRUE(of.find(3));
+  EXPECT_EQ(of.entries(), 3u);
+}
+
 TEST(Elimination, FollowsFromTheLastPairsAlone) {
   const std::vector<Pair> square{{0, 1}, {1, 2}, {2, 3}, {3, 0}}, path{{3, 1}, {1, 0}};
   Elimination of = found(4, square);
@@ -98,7 +106,7 @@ TEST(Elimination, FollowsFromTheLastPairsAlone) {
        {std::pair{std::size_t{5}, path}, {std::size_t{4}, path}, {std::size_t{4}, square}}) {
     of.start(count);
     for (const auto& [a, b] : pairs) of.connect(a, b);
-    of.find();
+    EXPECT_TRUE(of.find(100'000));
     const Elimination anew = found(count, pairs);
     EXPECT_TRUE(std::ranges::equal(of.order(), anew.order()));
     EXPECT_TRUE(std::ranges::equal(of.rows(), anew.rows()));
