@@ -147,9 +147,9 @@ class Rows {
   // Completes the blocks' K and softness, once all ends are known.
   void prepare();
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
-  // rad/s), or more than `share` of the island's largest change. Returns the largest miss at
-  // the start, or of the first sweep. Does nothing if the start misses no more than the share `rest` of the
-  // miss that is allowed at rest; 0: always solves.
+  // rad/s), or more than `share` of the island's largest change; free bodies that are jammed may miss ten
+  // times that (rows_free.cc). Returns the largest miss at the start, or of the first sweep. Does nothing if
+  // the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
   void soften(double share);

@@ -19,8 +19,8 @@ constexpr int kMostFreePoints = 50, kMostFailures = 15;  // in one solution
 constexpr int kMostFirmPasses = 6, kMostSoftPasses = 8;
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
-// this share of what the one before it left. More points are no help then, so it may leave so many times what
-// is enough.
+// this share of what the one before it left. More points are no help then, so from there on a solution may
+// leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point

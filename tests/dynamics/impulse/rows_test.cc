@@ -1,4 +1,5 @@
-// A box between two fingers of a hand, given directly to the solver of rows with bounds.
+// The solver of rows with bounds, given directly: a box between two fingers of a hand, a cube that tumbles, a
+// wall of cubes that falls to pieces.
 #include "server/dynamics/impulse/rows.h"
 
 #include <gtest/gtest.h>
@@ -49,6 +50,8 @@ struct OwnIsland {
     rows.take(island);
     rows.prepare();
   }
+  bool is_solved() const { return island.solved; }
+  double largest_change() const { return island.largest_change; }
 
  private:
   RowIsland island;
@@ -261,6 +264,109 @@ TEST(Rows, NewtonSolvesATumblingCubeWithoutSweeps) {
     missed += cube.rows.solve(0, 1e-11, 1e-7, 0.0) > 1e-5;
   }
   EXPECT_LT(missed, 20) << "of 2000; without Newton's method 808 are missed";
+}
+
+// A wall of cubes of 1 kg that stands on a plane, each with four contacts to each neighbour, while every cube
+// moves another way.
+class FallingWall {
+ public:
+  static constexpr std::size_t kSide = 4;
+
+  FallingWall(double friction, std::mt19937_64& random) : friction_(friction) {
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+      own_.bodies.push_back({1.0, {kInertia, 0.0, 0.0, 0.0, kInertia, 0.0, 0.0, 0.0, kInertia}});
+      for (int j = 0; j < 6; ++j) own_.velocities.push_back(any(random) * (j < 3 ? 10.0 : 0.5));
+    }
+    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+      if (i < kSide) touch({i}, Vector3d::UnitZ());
+      if (i + kSide < kSide * kSide) touch({i + kSide, i}, Vector3d::UnitZ());
+      if (i % kSide + 1 < kSide) touch({i + 1, i}, Vector3d::UnitX());
+    }
+    own_.prepare(rows_);
+  }
+
+  bool solve() {
+    rows_.solve(200, 1e-11, 1e-7, 0.0);
+    return own_.is_solved();
+  }
+
+  // Largest difference between the impulses and those that the velocities ask for, as a share of the largest
+  // change of a velocity.
+  double miss() const {
+    double largest = 0.0;
+    for (const RowBlock& block : own_.blocks) {
+      const auto& lambda = block.lambda;
+      const double K = std::max({block.K[0], block.K[1], block.K[2]});
+      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
+      const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
+      const double held = std::hypot(along, across), most = friction_ * std::max(0.0, lambda[0]);
+      const double share = held > most ? most / held : 1.0;
+      for (const double change :
+           {std::max(0.0, normal) - lambda[0], share * along - lambda[1], share * across - lambda[2]})
+        largest = std::max(largest, K * std::abs(change));
+    }
+    return largest / own_.largest_change();
+  }
+
+ private:
+  static constexpr double kInertia = 4.0 * kHalf * kHalf / 6.0;
+
+  // Four contacts of the first body above or beside the second, or on the plane.
+  void touch(std::vector<std::size_t> bodies, const Vector3d& normal) {
+    const Vector3d aside = Vector3d::UnitY(), along = aside.cross(normal);
+    Matrix3d frame;
+    frame << normal, along, aside;
+    const Matrix3d inverse = Matrix3d::Identity() / kInertia;
+    for (int k = 0; k < 4; ++k) {
+      RowBlock block;
+      block.kind = RowBlock::Kind::kContact;
+      block.dim = 3;
+      block.end_count = bodies.size();
+      block.friction = friction_;
+      block.free_response = static_cast<double>(bodies.size());
+      block.gives = true;
+      const Vector3d corner = (k % 2 == 0 ? kHalf : -kHalf) * aside + (k < 2 ? kHalf : -kHalf) * along;
+      for (std::size_t e = 0; e < bodies.size(); ++e) {
+        block.ends[e].offset = 6 * bodies[e];
+        const Vector3d lever = corner + (e == 0 ? -kHalf : kHalf) * normal;
+        rows_.respond_at_point(block, block.ends[e], frame.data(), lever.data(), e == 0 ? 1.0 : -1.0,
+                               inverse.data(), 1.0);
+      }
+      own_.blocks.push_back(block);
+    }
+  }
+
+  double velocity(const RowBlock& block, std::size_t row) const {
+    double sum = 0.0;
+    for (std::size_t e = 0; e < block.end_count; ++e)
+      for (std::size_t j = 0; j < 6; ++j)
+        sum += block.ends[e].J[row][j] * own_.velocities[block.ends[e].offset + j];
+    return sum;
+  }
+
+  double friction_;
+  OwnIsland own_;
+  Rows rows_;
+};
+
+// Hundreds of corners that repeat each other open, stick and slide. What is said to be solved is. No way is
+// known to solve all of them: of 100, 18 and 61 are not; from firm points alone, 33 and 68.
+TEST(Rows, SolvesWallsThatFallToPieces) {
+  constexpr int kWalls = 50;
+  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 8}, {1.0, 33}}) {
+    std::mt19937_64 random(1);
+    int unsolved = 0;
+    for (int i = 0; i < kWalls; ++i) {
+      FallingWall wall(friction, random);
+      if (!wall.solve())
+        ++unsolved;
+      else
+        EXPECT_LT(wall.miss(), 2e-6) << "friction " << friction << ", wall " << i;
+    }
+    EXPECT_LE(unsolved, most) << "of " << kWalls << ", with friction " << friction;
+    RecordProperty("unsolved_at_" + std::to_string(friction), unsolved);
+  }
 }
 
 }  // namespace

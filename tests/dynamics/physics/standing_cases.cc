@@ -67,7 +67,7 @@ std::vector<double> settle(const world::EngineSetting& engine) {
   return settle_as_a_pile(engine, 10, 6.0);
 }
 std::vector<double> settle_as_a_large_pile(const world::EngineSetting& engine) {
-  return settle_as_a_pile(engine, 100, 15.0);
+  return settle_as_a_pile(engine, 100, 10.0);
 }
 
 // A tall block rocks from edge to edge. With a the angle from its axis to an edge, each landing leaves it

@@ -7,8 +7,8 @@ namespace visum::dynamics::impulse {
 
 // By columns, of which only the blocks below the diagonal that are not zero are stored.
 struct BlockMatrix {
-  const std::size_t *begins,
-      *rows;                   // by column: where its blocks begin, one more at the end; by block: its row
+  const std::size_t* begins;   // by column: where its blocks begin; one more at the end
+  const std::size_t* rows;     // by block: its row
   double *diagonal, *inverse;  // blocks of 6 x 6, by column; inverse: of the blocks on the diagonal
   double *lower, *upper;       // by block; upper: that of the transposed place
   std::size_t count;           // of columns

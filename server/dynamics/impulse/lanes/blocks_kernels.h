@@ -109,8 +109,8 @@ void add_products(double* c, const double* x, const double* y, std::size_t count
   }
 }
 
-// The inverse of a block on the diagonal. Friction that is dragged along may make single pivots negative or
-// zero; the block is sound nevertheless. Returns false where there is none.
+// The inverse of a block on the diagonal; false where there is none. Friction that is dragged along may make
+// single pivots of a sound block negative or zero, and then asks for an exchange of rows.
 bool invert_diagonal(double* to, const double* from, bool symmetric) {
   __builtin_memcpy(to, from, 36 * sizeof(double));
   if (invert(to)) return true;
