@@ -8,7 +8,8 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "clients" / "python" / "examples"))
 from cart import Pose  # noqa: E402
-from floor_map import CELL, CENTRE_AT, FloorMap, Move, ahead, along, fits, find_way  # noqa: E402
+from floor_map import CELL, CENTRE_AT, FloorMap, Move, ahead, along, circles, disc  # noqa: E402
+from floor_map import find_way, fits, sum_around  # noqa: E402
 
 ANGLES = np.linspace(-math.pi, math.pi, 361)
 REACH = 8.0
@@ -29,12 +30,25 @@ def seen(floor: FloorMap, pose: Pose, half: tuple[float, float]) -> None:
     floor.cover(pose)
 
 
+def fits_at(passable: np.ndarray, pose: Pose) -> bool:
+    return fits(passable.tobytes(), pose.x, pose.y, circles(pose))
+
+
 class Geometry(unittest.TestCase):
     def test_a_move_follows_its_arc(self):
         quarter = along(Pose(1, 2, 0), Move(math.pi / 2, 1.0))
         np.testing.assert_allclose(quarter, (2, 3, math.pi / 2), atol=1e-12)
         np.testing.assert_allclose(along(quarter, Move(-math.pi / 2, 1.0)), (1, 2, 0), atol=1e-12)
         np.testing.assert_allclose(along(Pose(0, 0, math.pi / 2), Move(2, 0)), (0, 2, math.pi / 2), atol=1e-12)
+
+
+    def test_sums_over_a_disc_around_each_cell(self):
+        cells = np.random.default_rng(1).integers(0, 9, (30, 40))
+        for radius in (0.0, CELL, 0.1, 0.39):
+            padded = np.pad(cells, 8)
+            expected = sum(padded[8 + i:38 + i, 8 + j:48 + j] for i, j in disc(radius))
+            np.testing.assert_array_equal(sum_around(cells, radius), expected)
+            np.testing.assert_array_equal(sum_around(cells == 8, radius), sum_around((cells == 8).astype(int), radius) > 0)
 
 
 class Map(unittest.TestCase):
@@ -45,10 +59,10 @@ class Map(unittest.TestCase):
 
     def test_keeps_away_from_walls_and_from_what_it_has_not_seen(self):
         roomy = self.floor.passable(0.1)
-        self.assertTrue(fits(roomy, Pose()))
-        self.assertTrue(fits(roomy, Pose(0, 1.5, 0)))
-        self.assertFalse(fits(roomy, Pose(0, 1.75, 0)), "0.25 m from the wall")
-        self.assertFalse(fits(roomy, Pose(0, 3.0, 0)), "behind the wall")
+        self.assertTrue(fits_at(roomy, Pose()))
+        self.assertTrue(fits_at(roomy, Pose(0, 1.5, 0)))
+        self.assertFalse(fits_at(roomy, Pose(0, 1.75, 0)), "0.25 m from the wall")
+        self.assertFalse(fits_at(roomy, Pose(0, 3.0, 0)), "behind the wall")
 
     def test_lays_a_scan_onto_what_it_has_seen(self):
         true = Pose(0.4, -0.3, 0.2)
@@ -66,7 +80,7 @@ class Map(unittest.TestCase):
         self.assertTrue(moves)
         for move in moves:
             pose = along(pose, move)
-            self.assertTrue(fits(roomy, pose))
+            self.assertTrue(fits_at(roomy, pose))
         self.assertGreater(math.hypot(pose.x, pose.y), 0.25)
 
     def test_ends_where_all_has_been_covered(self):

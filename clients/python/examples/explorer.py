@@ -44,7 +44,10 @@ class Eye:
         fan = ports["Nearest Angle"]
         self.reach = ports["Nearest Distance"].maximum
         self.look()
-        self.angles = np.linspace(fan.minimum, fan.maximum, len(self.distances))
+        self._see_along(np.linspace(fan.minimum, fan.maximum, len(self.distances)))
+
+    def _see_along(self, angles: np.ndarray) -> None:
+        self.angles, self._directions = angles, sin_cos(angles)
 
     def look(self) -> None:
         self.distances = np.frombuffer(self._part.read_blackboard("scan"), dtype="<f4").astype(float)
@@ -64,8 +67,8 @@ class Eye:
     def points(self) -> np.ndarray:
         """The ends of the rays that met something, as rows of x and y in the cart's frame."""
         met = self.distances < self.reach - 0.05
-        return np.column_stack((self._mounted_at + self.distances[met] * cosine(self.angles[met]),
-                                self.distances[met] * sine(self.angles[met])))
+        distances, (sin, cos) = self.distances[met], self._directions
+        return np.column_stack((self._mounted_at + distances * cos[met], distances * sin[met]))
 
 
 class TurningEye(Eye):
@@ -83,7 +86,8 @@ class TurningEye(Eye):
         self._way = Cart(cart)
         # The mast's angle, and the place that the ray met
         self._met: deque[tuple[float, float, float]] = deque()
-        self.angles = self.distances = np.empty(0)
+        self.distances = np.empty(0)
+        self._see_along(self.distances)
 
     def turn(self) -> None:
         self._neck.inputs("Desired Speed")[0] = self.SPEED
@@ -110,7 +114,7 @@ class TurningEye(Eye):
         if not len(met):
             return
         self.distances = hypotenuse(met[:, 1] - x, met[:, 2] - y)
-        self.angles = np.array([arc_tangent(b - y, a - x) for _, a, b in self._met]) - self._way.pose.heading
+        self._see_along(np.array([arc_tangent(b - y, a - x) for _, a, b in self._met]) - self._way.pose.heading)
 
 
 class Explorer:
@@ -204,7 +208,9 @@ def room(points: np.ndarray, pose: Pose) -> float:
     """The distance of the nearest point to the middle of one of the circles that cover the cart at `pose`."""
     if not len(points):
         return math.inf
-    return math.sqrt(min(((points - ahead(pose, way)) ** 2).sum(axis=1).min() for way in CIRCLES_AT))
+    circles = np.array([ahead(pose, way) for way in CIRCLES_AT])
+    x, y = points[:, :1] - circles[:, 0], points[:, 1:] - circles[:, 1]
+    return math.sqrt((x * x + y * y).min())
 
 
 def runs(moves: list[Move]) -> list[list[Move]]:

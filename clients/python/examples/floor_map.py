@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from cart import Pose
-from visum.trig import cosine, hypotenuse, sin_cos, sine
+from visum.trig import hypotenuse, sin_cos, sine
 
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
@@ -65,18 +65,32 @@ def cell_of(x: float, y: float) -> tuple[int, int]:
     return math.floor(x / CELL) + HALF_SIZE, math.floor(y / CELL) + HALF_SIZE
 
 
+@lru_cache
+def half_widths(radius: float) -> list[int]:
+    """By rows from the middle of a disc: how many cells it has to each side."""
+    reach = math.floor(radius / CELL)
+    return [max(j for j in range(reach + 1) if hypotenuse(i, j) * CELL <= radius) for i in range(reach + 1)]
+
+
 def disc(radius: float) -> list[tuple[int, int]]:
     """Offsets of the cells whose centres are within the radius."""
-    reach = math.floor(radius / CELL)
-    return [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)
-            if hypotenuse(i, j) * CELL <= radius]
+    widths = half_widths(radius)
+    return [(i, j) for i in range(1 - len(widths), len(widths)) for j in range(-widths[abs(i)], widths[abs(i)] + 1)]
 
 
-def spread(cells: np.ndarray, radius: float) -> np.ndarray:
-    """Marks all cells within the radius of a marked cell. Marks wrap around at the border, where no cell is asked for."""
-    result = np.zeros_like(cells)
-    for i, j in disc(radius):
-        result |= np.roll(cells, (i, j), axis=(0, 1))
+def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
+    """For each cell the sum of all cells within the radius; of booleans, whether one of them is true."""
+    widths = half_widths(radius)
+    result, rows = np.zeros_like(cells), cells.copy()
+    for width in range(widths[0] + 1):
+        if width:  # each cell has the sum of its row, so far to both sides
+            rows[:, width:] += cells[:, :-width]
+            rows[:, :-width] += cells[:, width:]
+        for i, wide in enumerate(widths):
+            if wide == width:
+                result[i:] += rows[:-i or None]
+                if i:
+                    result[:-i] += rows[i:]
     return result
 
 
@@ -85,7 +99,7 @@ class FloorMap:
         size = 2 * HALF_SIZE
         self._evidence = np.zeros((size, size), dtype=np.int16)
         self._covered = np.zeros((size, size), dtype=bool)
-        self._cover = np.array(disc(cover_radius))
+        self._cover_radius, self._cover = cover_radius, np.array(disc(cover_radius))
         self.worthwhile = len(self._cover) // 8  # cells to be covered anew, to go somewhere
 
     def see(self, eye: tuple[float, float], angles: np.ndarray, distances: np.ndarray, farthest: float) -> None:
@@ -96,7 +110,7 @@ class FloorMap:
         ray, step = np.nonzero(steps[None, :] < distances[:, None] - CELL)
         # And the cell of the eye, from which all rays come.
         ray, ways = np.append(ray, 0), np.append(steps[step], 0.0)
-        cos, sin = cosine(angles), sine(angles)
+        sin, cos = sin_cos(angles)
         self._weigh(eye, cos[ray], sin[ray], ways, PASS)
         hit = distances < farthest - CELL
         self._weigh(eye, cos[hit], sin[hit], distances[hit], HIT)
@@ -106,9 +120,10 @@ class FloorMap:
         i = np.floor((eye[0] + ways * cos) / CELL).astype(int) + HALF_SIZE
         j = np.floor((eye[1] + ways * sin) / CELL).astype(int) + HALF_SIZE
         inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
-        touched = np.zeros_like(self._evidence, dtype=bool)
-        touched[i[inside], j[inside]] = True
-        self._evidence[touched] = np.clip(self._evidence[touched] + weight, LEAST, MOST)
+        marks = np.zeros(self._evidence.size, dtype=bool)
+        marks[(2 * HALF_SIZE * i + j)[inside]] = True
+        touched = np.flatnonzero(marks)
+        self._evidence.put(touched, np.clip(self._evidence.take(touched) + weight, LEAST, MOST))
 
     def _free(self) -> np.ndarray:
         return self._evidence < 0
@@ -119,23 +134,24 @@ class FloorMap:
     def align(self, pose: Pose, points: np.ndarray) -> Pose:
         """The pose near this one from which a scan's points, in the cart's frame, lie best on what has been seen before."""
         walls = self._occupied()
-        near_walls = sum(spread(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
+        near_walls = sum(sum_around(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
 
-        def score(at: Pose) -> int:
-            sin, cos = sin_cos(at.heading)
-            i = np.floor((at.x + points[:, 0] * cos - points[:, 1] * sin) / CELL).astype(int) + HALF_SIZE
-            j = np.floor((at.y + points[:, 0] * sin + points[:, 1] * cos) / CELL).astype(int) + HALF_SIZE
+        def scores(tried: list[Pose]) -> np.ndarray:
+            x, y, heading = np.array(tried).T[:, :, None]
+            sin, cos = sin_cos(heading)
+            i = np.floor((x + points[:, 0] * cos - points[:, 1] * sin) / CELL).astype(int) + HALF_SIZE
+            j = np.floor((y + points[:, 0] * sin + points[:, 1] * cos) / CELL).astype(int) + HALF_SIZE
             inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
-            return int(near_walls[i[inside], j[inside]].sum())
+            return np.where(inside, near_walls[i * inside, j * inside], 0).sum(axis=1)
 
-        best, most = pose, score(pose)
+        best, most = pose, scores([pose])[0]
         for step in (0.03, 0.015, 0.0075):  # m, and rad
             tried = [Pose(best.x + a * step, best.y + b * step, best.heading + c * step)
                      for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)]
-            scores = [score(at) for at in tried]
-            if max(scores) > most:
-                most = max(scores)
-                best = tried[scores.index(most)]
+            reached = scores(tried)
+            if reached.max() > most:
+                most = reached.max()
+                best = tried[reached.argmax()]
         return best
 
     def cover(self, pose: Pose) -> None:
@@ -148,18 +164,14 @@ class FloorMap:
     def passable(self, margin: float) -> np.ndarray:
         """The cells where a circle of the cart may be: seen free, and far enough from everything. Not at the map's border, so
         that no move leaves the map."""
-        result = spread(self._free(), BETWEEN_RAYS) & ~spread(self._occupied(), CIRCLE_RADIUS + margin)
+        result = sum_around(self._free(), BETWEEN_RAYS) & ~sum_around(self._occupied(), CIRCLE_RADIUS + margin)
         for side in (result, result.T):
             side[:BORDER] = side[-BORDER:] = False
         return result
 
     def gain(self) -> np.ndarray:
         """For each cell, the amount of free floor that the cart would newly cover from there."""
-        open_floor = (self._free() & ~self._covered).astype(np.int16)
-        total = np.zeros_like(open_floor)
-        for i, j in self._cover:
-            total += np.roll(open_floor, (-i, -j), axis=(0, 1))
-        return total
+        return sum_around((self._free() & ~self._covered).astype(np.int16), self._cover_radius)
 
 
 LENGTH = 0.3  # m, of a move
@@ -172,16 +184,15 @@ MARGIN, LEAST_MARGIN = 0.12, 0.05  # m: to be kept; to be left where the cart st
 HEADINGS = 24  # of the search
 MOST_POSES = 20000
 
-Key = tuple[int, int, int]
+ROW = 2 * HALF_SIZE  # cells
 
 
-def key_of(pose: Pose) -> Key:
-    return *cell_of(pose.x, pose.y), round(pose.heading / (2 * math.pi) * HEADINGS) % HEADINGS
+def direction_of(heading: float) -> int:
+    return round(heading / (2 * math.pi) * HEADINGS) % HEADINGS
 
 
-def fits(passable: np.ndarray, pose: Pose) -> bool:
-    sin, cos = facing(pose.heading)
-    return all(passable[cell_of(pose.x + way * cos, pose.y + way * sin)] for way in CIRCLES_AT)
+def cell_number(x: float, y: float) -> int:
+    return (math.floor(x / CELL) + HALF_SIZE) * ROW + math.floor(y / CELL) + HALF_SIZE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -189,42 +200,87 @@ def swerves(last: Move, move: Move) -> bool:
     return last.way * move.way > 0 and abs(last.curvature - move.curvature) > 1.3
 
 
+def cost_of(last: Move | None, move: Move) -> float:
+    cost = abs(move.way) * (BACKWARDS if move.way < 0 else 1.0)
+    return cost + CUSP if last and last.way * move.way < 0 else cost
+
+
+# The moves that may follow each move, with their costs.
+NEXT = {last: [(k, cost_of(last, move)) for k, move in enumerate(MOVES) if not (last and swerves(last, move))]
+        for last in [None, *MOVES]}
+
+
+class Steps:
+    """Where each of MOVES leads from a heading: from (0, 0), so that a search finds it once for all places."""
+
+    def __init__(self, heading: float) -> None:
+        start = Pose(0.0, 0.0, heading)
+        ends = [along(start, move) for move in MOVES]
+        self.to = [(end.x, end.y, end.heading, direction_of(end.heading)) for end in ends]
+        self.circles = circles(start)
+        self.circles_at_end = [circles(end) for end in ends]
+        self.halfway = [(half.x, half.y, circles(half)) for half in (along(start, half) for half in HALVES)]
+
+
+def circles(pose: Pose) -> list[tuple[float, float]]:
+    """The circles that cover the cart, from its place."""
+    return [ahead(Pose(0.0, 0.0, pose.heading), way) for way in CIRCLES_AT]
+
+
+def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:
+    """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
+    for i, j in covering:
+        if not passable[cell_number(x + i, y + j)]:
+            return False
+    return True
+
+
 def find_way(floor: FloorMap, start: Pose) -> list[Move]:
     """The cheapest moves to a place that covers much new floor (Dijkstra's algorithm over places and headings). None if there
     is no such place."""
-    roomy, tight, gain = floor.passable(MARGIN), floor.passable(LEAST_MARGIN), floor.gain()
-    open_list: list[tuple[float, int, Pose, Key | None, Move | None]] = [(0.0, 0, start, None, None)]
-    came: dict[Key, tuple[Key | None, Move | None]] = {}
+    roomy, tight = floor.passable(MARGIN).tobytes(), floor.passable(LEAST_MARGIN).tobytes()
+    worthwhile = (floor.gain() >= floor.worthwhile).tobytes()
+    # A node is a cell with a direction.
+    first = cell_number(start.x, start.y) * HEADINGS + direction_of(start.heading)
+    open_list: list[tuple[float, int, float, float, float, int, int | None, Move | None]] = [
+        (0.0, 0, *start, first, None, None)]
+    came: dict[int, tuple[int | None, Move | None]] = {}
+    cheapest: dict[int, float] = {first: 0.0}
+    steps_from: dict[float, Steps] = {}
     count = 0
     while open_list and len(came) < MOST_POSES:
-        cost, _, pose, before, last = heapq.heappop(open_list)
-        here = key_of(pose)
+        cost, _, x, y, heading, here, before, last = heapq.heappop(open_list)
         if here in came:
             continue
         came[here] = before, last
-        has_room = fits(roomy, pose)
-        if last and has_room and gain[cell_of(*ahead(pose, CENTRE_AT))] >= floor.worthwhile:
+        if heading not in steps_from:
+            steps_from[heading] = Steps(heading)
+        steps = steps_from[heading]
+        has_room = fits(roomy, x, y, steps.circles)
+        if last and has_room and worthwhile[cell_number(*ahead(Pose(x, y, heading), CENTRE_AT))]:
             return way_to(came, here)
-        for move, half in zip(MOVES, HALVES):
-            if last and swerves(last, move):
+        for k, more in NEXT[last]:
+            by_x, by_y, turned, headed = steps.to[k]
+            end_x, end_y = x + by_x, y + by_y
+            end = cell_number(end_x, end_y) * HEADINGS + headed
+            # Equal costs: the first found
+            if cheapest.get(end, math.inf) <= cost + more:
                 continue
-            end = along(pose, move)
-            if key_of(end) in came:
-                continue
-            middle = along(pose, half)
-            more = abs(move.way) * (BACKWARDS if move.way < 0 else 1.0)
-            if last and last.way * move.way < 0:
-                more += CUSP
-            if not (fits(roomy, middle) and fits(roomy, end)):
-                if has_room or not (fits(tight, middle) and fits(tight, end)):
+            half_x, half_y, halfway = steps.halfway[k]
+            half_x, half_y, at_end = x + half_x, y + half_y, steps.circles_at_end[k]
+            if not (fits(roomy, half_x, half_y, halfway) and fits(roomy, end_x, end_y, at_end)):
+                if has_room or not (fits(tight, half_x, half_y, halfway) and fits(tight, end_x, end_y, at_end)):
                     continue
                 more += TIGHT
-            count += 1  # equal costs: the first found
-            heapq.heappush(open_list, (cost + more, count, end, here, move))
+                if cheapest.get(end, math.inf) <= cost + more:
+                    continue
+            cheapest[end] = cost + more
+            count += 1
+            heapq.heappush(open_list, (cost + more, count, end_x, end_y, turned, end, here, MOVES[k]))
     return []
 
 
-def way_to(came: dict[Key, tuple[Key | None, Move | None]], last: Key) -> list[Move]:
+def way_to(came: dict[int, tuple[int | None, Move | None]], last: int) -> list[Move]:
     moves = []
     before, move = came[last]
     while before is not None and move is not None:

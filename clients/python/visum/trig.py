@@ -61,7 +61,7 @@ def _sin_cos_of_array(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     x = np.where(np.abs(x) <= _MOST, x, np.nan)
     n = (x * _TWO_BY_PI + _ROUND) - _ROUND
     s, c = _near_zero((x - n * _HALF_PI_HIGH) - n * _HALF_PI_LOW)
-    quarter = np.nan_to_num(n).astype(np.int64) & 3
+    quarter = np.where(np.isnan(n), 0.0, n).astype(np.int64) & 3
     return np.choose(quarter, [s, c, -s, -c]), np.choose(quarter, [c, -s, -c, s])
 
 
