@@ -29,8 +29,9 @@ class StateWriter {
   template <typename T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void put(T value) { append(&value, sizeof value); }
-  void put(std::span<const double> values) {
-    if (!values.empty()) append(values.data(), values.size_bytes());
+  void put(std::span<const double> values) { put(std::as_bytes(values)); }
+  void put(std::span<const std::byte> bytes) {
+    if (!bytes.empty()) append(bytes.data(), bytes.size());
   }
 
   // Saves many fields in a row: `save` gets a Run to put them to. They take at most `most` bytes. That is one
@@ -88,7 +89,8 @@ class StateReader {
       copy(&value, sizeof value);
     }
   }
-  void get(std::span<double> values) { copy(values.data(), values.size_bytes()); }
+  void get(std::span<double> values) { get(std::as_writable_bytes(values)); }
+  void get(std::span<std::byte> bytes) { copy(bytes.data(), bytes.size()); }
   bool at_end() const { return bytes_.empty(); }
   // Throws unless at least `size` bytes are left. Called before memory is allocated for them.
   void expect(std::uint64_t size) const {

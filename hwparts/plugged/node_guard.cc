@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "protocol/plugin/node_settings.h"
 
@@ -37,9 +38,9 @@ void NodeGuard::save(const plugin::Node& node, hwparts::StateWriter& to) const {
     }
   }
   to.put(static_cast<std::uint64_t>(fault.size()));
-  for (const char c : fault) to.put(c);
+  to.put(std::as_bytes(std::span(fault)));
   to.put(static_cast<std::uint64_t>(scratch_.size()));
-  for (const std::byte byte : scratch_) to.put(byte);
+  to.put(std::span<const std::byte>(scratch_));
 }
 
 void NodeGuard::load(plugin::Node& node, hwparts::StateReader& from) {
@@ -47,11 +48,11 @@ void NodeGuard::load(plugin::Node& node, hwparts::StateReader& from) {
   from.get(size);
   from.expect(size);
   fault_.assign(size, ' ');
-  for (char& c : fault_) from.get(c);
+  from.get(std::as_writable_bytes(std::span(fault_)));
   from.get(size);
   from.expect(size);
   scratch_.assign(size, std::byte{0});
-  for (std::byte& byte : scratch_) from.get(byte);
+  from.get(std::span(scratch_));
   run([&] {
     plugin::StateIn in(scratch_);
     node.load(in);

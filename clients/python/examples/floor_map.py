@@ -107,7 +107,9 @@ class FloorMap:
         if not len(distances):
             return
         steps = np.arange(0.0, farthest, CELL / 2)
-        ray, step = np.nonzero(steps[None, :] < distances[:, None] - CELL)
+        counts = np.searchsorted(steps, distances - CELL)  # of each ray's steps before its end
+        ray = np.repeat(np.arange(len(distances)), counts)
+        step = np.arange(len(ray)) - np.repeat(np.cumsum(counts) - counts, counts)
         # And the cell of the eye, from which all rays come.
         ray, ways = np.append(ray, 0), np.append(steps[step], 0.0)
         sin, cos = sin_cos(angles)
@@ -135,23 +137,27 @@ class FloorMap:
         """The pose near this one from which a scan's points, in the cart's frame, lie best on what has been seen before."""
         walls = self._occupied()
         near_walls = sum(sum_around(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
+        # With a border of nothing, for what lies beyond the map
+        near_walls = np.pad(near_walls, 1).ravel()
 
-        def scores(tried: list[Pose]) -> np.ndarray:
-            x, y, heading = np.array(tried).T[:, :, None]
-            sin, cos = sin_cos(heading)
-            i = np.floor((x + points[:, 0] * cos - points[:, 1] * sin) / CELL).astype(int) + HALF_SIZE
-            j = np.floor((y + points[:, 0] * sin + points[:, 1] * cos) / CELL).astype(int) + HALF_SIZE
-            inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
-            return np.where(inside, near_walls[i * inside, j * inside], 0).sum(axis=1)
+        def cells(places: list[float], along_axis: np.ndarray) -> np.ndarray:
+            """By place, heading and point: the row or column in near_walls."""
+            found = np.floor((np.array(places)[:, None, None] + along_axis[0] + along_axis[1]) / CELL) + (HALF_SIZE + 1)
+            return np.clip(found, 0, 2 * HALF_SIZE + 1).astype(int)
 
-        best, most = pose, scores([pose])[0]
+        def scores(x: list[float], y: list[float], headings: list[float]) -> np.ndarray:
+            sin, cos = sin_cos(np.array(headings)[:, None])
+            i = cells(x, (points[:, 0] * cos, -(points[:, 1] * sin)))
+            j = cells(y, (points[:, 0] * sin, points[:, 1] * cos))
+            return near_walls.take(i[:, None] * (2 * HALF_SIZE + 2) + j).sum(axis=3)
+
+        best, most = pose, scores(*([value] for value in pose)).item()
         for step in (0.03, 0.015, 0.0075):  # m, and rad
-            tried = [Pose(best.x + a * step, best.y + b * step, best.heading + c * step)
-                     for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)]
-            reached = scores(tried)
+            tried = [[value - step, value, value + step] for value in best]
+            reached = scores(*tried)
             if reached.max() > most:
                 most = reached.max()
-                best = tried[reached.argmax()]
+                best = Pose(*(values[k] for values, k in zip(tried, np.unravel_index(reached.argmax(), reached.shape))))
         return best
 
     def cover(self, pose: Pose) -> None:
