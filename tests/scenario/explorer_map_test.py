@@ -41,6 +41,10 @@ class Geometry(unittest.TestCase):
         np.testing.assert_allclose(along(quarter, Move(-math.pi / 2, 1.0)), (1, 2, 0), atol=1e-12)
         np.testing.assert_allclose(along(Pose(0, 0, math.pi / 2), Move(2, 0)), (0, 2, math.pi / 2), atol=1e-12)
 
+    def test_a_disc_has_the_cells_within_its_radius(self):
+        for radius in (0.0, CELL, 0.1, 0.39, 0.4):
+            around = [(i, j) for i in range(-9, 10) for j in range(-9, 10) if math.sqrt(i * i + j * j) * CELL <= radius]
+            self.assertEqual(disc(radius), around)
 
     def test_sums_over_a_disc_around_each_cell(self):
         cells = np.random.default_rng(1).integers(0, 9, (30, 40))

@@ -17,6 +17,7 @@ from visum.trig import hypotenuse, sin_cos, sine
 
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
+SIDE = 2 * HALF_SIZE
 BORDER = 20  # cells
 BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
 # The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a
@@ -38,7 +39,7 @@ class Move(NamedTuple):
     curvature: float
 
 
-# A search turns by the same steps again and again.
+# The circles of a pose share its heading.
 facing = lru_cache(maxsize=4096)(sin_cos)
 
 
@@ -96,9 +97,8 @@ def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
 
 class FloorMap:
     def __init__(self, cover_radius: float) -> None:
-        size = 2 * HALF_SIZE
-        self._evidence = np.zeros((size, size), dtype=np.int16)
-        self._covered = np.zeros((size, size), dtype=bool)
+        self._evidence = np.zeros((SIDE, SIDE), dtype=np.int16)
+        self._covered = np.zeros((SIDE, SIDE), dtype=bool)
         self._cover_radius, self._cover = cover_radius, np.array(disc(cover_radius))
         self.worthwhile = len(self._cover) // 8  # cells to be covered anew, to go somewhere
 
@@ -121,9 +121,9 @@ class FloorMap:
         """Once for each cell, however many rays have gone through it."""
         i = np.floor((eye[0] + ways * cos) / CELL).astype(int) + HALF_SIZE
         j = np.floor((eye[1] + ways * sin) / CELL).astype(int) + HALF_SIZE
-        inside = (i >= 0) & (i < 2 * HALF_SIZE) & (j >= 0) & (j < 2 * HALF_SIZE)
+        inside = (i >= 0) & (i < SIDE) & (j >= 0) & (j < SIDE)
         marks = np.zeros(self._evidence.size, dtype=bool)
-        marks[(2 * HALF_SIZE * i + j)[inside]] = True
+        marks[(SIDE * i + j)[inside]] = True
         touched = np.flatnonzero(marks)
         self._evidence.put(touched, np.clip(self._evidence.take(touched) + weight, LEAST, MOST))
 
@@ -140,16 +140,17 @@ class FloorMap:
         # With a border of nothing, for what lies beyond the map
         near_walls = np.pad(near_walls, 1).ravel()
 
-        def cells(places: list[float], along_axis: np.ndarray) -> np.ndarray:
-            """By place, heading and point: the row or column in near_walls."""
-            found = np.floor((np.array(places)[:, None, None] + along_axis[0] + along_axis[1]) / CELL) + (HALF_SIZE + 1)
-            return np.clip(found, 0, 2 * HALF_SIZE + 1).astype(int)
+        def cells(places: list[float], first: np.ndarray, second: np.ndarray) -> np.ndarray:
+            """The row or column in near_walls, by place, heading and point: of a place plus both parts of a turned point."""
+            found = np.floor((np.array(places)[:, None, None] + first + second) / CELL) + (HALF_SIZE + 1)
+            return np.clip(found, 0, SIDE + 1).astype(int)
 
         def scores(x: list[float], y: list[float], headings: list[float]) -> np.ndarray:
+            """Of all poses with one each of these."""
             sin, cos = sin_cos(np.array(headings)[:, None])
-            i = cells(x, (points[:, 0] * cos, -(points[:, 1] * sin)))
-            j = cells(y, (points[:, 0] * sin, points[:, 1] * cos))
-            return near_walls.take(i[:, None] * (2 * HALF_SIZE + 2) + j).sum(axis=3)
+            i = cells(x, points[:, 0] * cos, -points[:, 1] * sin)
+            j = cells(y, points[:, 0] * sin, points[:, 1] * cos)
+            return near_walls.take(i[:, None] * (SIDE + 2) + j).sum(axis=3)
 
         best, most = pose, scores(*([value] for value in pose)).item()
         for step in (0.03, 0.015, 0.0075):  # m, and rad
@@ -190,15 +191,14 @@ MARGIN, LEAST_MARGIN = 0.12, 0.05  # m: to be kept; to be left where the cart st
 HEADINGS = 24  # of the search
 MOST_POSES = 20000
 
-ROW = 2 * HALF_SIZE  # cells
-
 
 def direction_of(heading: float) -> int:
     return round(heading / (2 * math.pi) * HEADINGS) % HEADINGS
 
 
 def cell_number(x: float, y: float) -> int:
-    return (math.floor(x / CELL) + HALF_SIZE) * ROW + math.floor(y / CELL) + HALF_SIZE
+    """Of cell_of(), row by row."""
+    return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -216,6 +216,11 @@ NEXT = {last: [(k, cost_of(last, move)) for k, move in enumerate(MOVES) if not (
         for last in [None, *MOVES]}
 
 
+def circles(pose: Pose) -> list[tuple[float, float]]:
+    """The circles that cover the cart, from its place."""
+    return [ahead(Pose(0.0, 0.0, pose.heading), way) for way in CIRCLES_AT]
+
+
 class Steps:
     """Where each of MOVES leads from a heading: from (0, 0), so that a search finds it once for all places."""
 
@@ -226,11 +231,6 @@ class Steps:
         self.circles = circles(start)
         self.circles_at_end = [circles(end) for end in ends]
         self.halfway = [(half.x, half.y, circles(half)) for half in (along(start, half) for half in HALVES)]
-
-
-def circles(pose: Pose) -> list[tuple[float, float]]:
-    """The circles that cover the cart, from its place."""
-    return [ahead(Pose(0.0, 0.0, pose.heading), way) for way in CIRCLES_AT]
 
 
 def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:

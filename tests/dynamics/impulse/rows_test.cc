@@ -52,8 +52,36 @@ struct OwnIsland {
   }
   bool is_solved() const { return island.solved; }
   double largest_change() const { return island.largest_change; }
+  // Largest difference between the impulses and those that the velocities ask for, m/s.
+  double miss() const {
+    double largest = 0.0;
+    for (const RowBlock& block : blocks) {
+      const auto& lambda = block.lambda;
+      const double K = std::max({block.K[0], block.K[1], block.K[2]});
+      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
+      const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
+      const double held = std::hypot(along, across), most = block.friction * lambda[0];
+      const double share = held > most ? most / held : 1.0;
+      for (const double change :
+           {std::max(0.0, normal) - lambda[0], share * along - lambda[1], share * across - lambda[2]})
+        largest = std::max(largest, K * std::abs(change));
+    }
+    return largest;
+  }
 
  private:
+  double velocity(const RowBlock& block, std::size_t row) const {
+    double sum = 0.0;
+    for (std::size_t e = 0; e < block.end_count; ++e) {
+      const RowEnd& end = block.ends[e];
+      if (!end.free)
+        sum += velocities[end.offset + end.first + row];
+      else
+        for (std::size_t j = 0; j < 6; ++j) sum += end.J[row][j] * velocities[end.offset + j];
+    }
+    return sum;
+  }
+
   RowIsland island;
 };
 
@@ -97,22 +125,7 @@ class Grasp {
     for (int j = 0; j < 8; ++j) by[j] = 0.1 * much * any(random);
     VectorXd::Map(&own_.velocities[6], kRows) += jacobian_ * by;
   }
-  // Largest difference between the impulses and those that the velocities ask for, m/s.
-  double miss() const {
-    double largest = 0.0;
-    for (const RowBlock& block : own_.blocks) {
-      const auto& lambda = block.lambda;
-      const double K = std::max({block.K[0], block.K[1], block.K[2]});
-      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
-      const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
-      const double held = std::hypot(along, across), most = kGrip * lambda[0];
-      const double share = held > most ? most / held : 1.0;
-      for (const double change :
-           {std::max(0.0, normal) - lambda[0], share * along - lambda[1], share * across - lambda[2]})
-        largest = std::max(largest, K * std::abs(change));
-    }
-    return largest;
-  }
+  double miss() const { return own_.miss(); }  // m/s
 
  private:
   template <typename Some, typename Any>
@@ -148,11 +161,6 @@ class Grasp {
     block.lambda[1] = 0.8 * outwards * kGrip * block.lambda[0] * (0.6 + 0.4 * some(random));
     block.lambda[2] = 0.4 * kGrip * block.lambda[0] * any(random);
     own_.blocks.push_back(block);
-  }
-  double velocity(const RowBlock& block, std::size_t row) const {
-    double sum = own_.velocities[block.ends[1].offset + block.ends[1].first + row];
-    for (std::size_t j = 0; j < 6; ++j) sum += block.ends[0].J[row][j] * own_.velocities[j];
-    return sum;
   }
 
   OwnIsland own_;
@@ -291,23 +299,7 @@ class FallingWall {
     return own_.is_solved();
   }
 
-  // Largest difference between the impulses and those that the velocities ask for, as a share of the largest
-  // change of a velocity.
-  double miss() const {
-    double largest = 0.0;
-    for (const RowBlock& block : own_.blocks) {
-      const auto& lambda = block.lambda;
-      const double K = std::max({block.K[0], block.K[1], block.K[2]});
-      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
-      const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
-      const double held = std::hypot(along, across), most = friction_ * std::max(0.0, lambda[0]);
-      const double share = held > most ? most / held : 1.0;
-      for (const double change :
-           {std::max(0.0, normal) - lambda[0], share * along - lambda[1], share * across - lambda[2]})
-        largest = std::max(largest, K * std::abs(change));
-    }
-    return largest / own_.largest_change();
-  }
+  double miss() const { return own_.miss() / own_.largest_change(); }  // as a share of the largest change
 
  private:
   static constexpr double kInertia = 4.0 * kHalf * kHalf / 6.0;
@@ -335,14 +327,6 @@ class FallingWall {
       }
       own_.blocks.push_back(block);
     }
-  }
-
-  double velocity(const RowBlock& block, std::size_t row) const {
-    double sum = 0.0;
-    for (std::size_t e = 0; e < block.end_count; ++e)
-      for (std::size_t j = 0; j < 6; ++j)
-        sum += block.ends[e].J[row][j] * own_.velocities[block.ends[e].offset + j];
-    return sum;
   }
 
   double friction_;

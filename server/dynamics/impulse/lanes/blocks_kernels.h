@@ -110,7 +110,7 @@ void add_products(double* c, const double* x, const double* y, std::size_t count
 }
 
 // The inverse of a block on the diagonal; false where there is none. Friction that is dragged along may make
-// single pivots of a sound block negative or zero, and then asks for an exchange of rows.
+// single pivots of a sound block negative or zero; then rows are exchanged.
 bool invert_diagonal(double* to, const double* from, bool symmetric) {
   __builtin_memcpy(to, from, 36 * sizeof(double));
   if (invert(to)) return true;
