@@ -146,7 +146,7 @@ class FloorMap:
             return np.clip(found, 0, SIDE + 1).astype(int)
 
         def scores(x: list[float], y: list[float], headings: list[float]) -> np.ndarray:
-            """Of all poses with one each of these."""
+            """By x, y and heading: how well the points lie on walls."""
             sin, cos = sin_cos(np.array(headings)[:, None])
             i = cells(x, points[:, 0] * cos, -points[:, 1] * sin)
             j = cells(y, points[:, 0] * sin, points[:, 1] * cos)
@@ -197,7 +197,7 @@ def direction_of(heading: float) -> int:
 
 
 def cell_number(x: float, y: float) -> int:
-    """Of cell_of(), row by row."""
+    """Counts the cells of cell_of() row by row."""
     return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
 
 
