@@ -14,6 +14,7 @@ bool is_plain(char c) {
 
 // True for words and numbers that have no special meaning in YAML, in any place.
 bool is_harmless(std::string_view text) {
+  if (text == "null" || text == "Null" || text == "NULL") return false;
   if (text.starts_with('-')) text.remove_prefix(1);
   if (text.empty() || !is_plain(text.front())) return false;
   return std::ranges::all_of(

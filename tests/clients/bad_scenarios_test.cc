@@ -145,6 +145,9 @@ TEST(BadScenarioHead, VersionNameAndSceneAreNeeded) {
   EXPECT_EQ(error_of("{visum_scenario: 1, scene: x}"), "s.yaml:1: key 'name' is missing");
   EXPECT_EQ(error_of("{visum_scenario: 1, name: n, scene: nowhere.yaml}"),
             "s.yaml:1: scene: there is no file '" VISUM_SOURCE_DIR "/nowhere.yaml'");
+  const std::string long_name(300, 'a');
+  EXPECT_EQ(error_of("{visum_scenario: 1, name: n, scene: " + long_name + "}"),
+            "s.yaml:1: scene: '" VISUM_SOURCE_DIR "/" + long_name + "' cannot be read: File name too long");
   EXPECT_EQ(error_of("[1, 2]"), "s.yaml:1: a scenario is a map");
 }
 

@@ -1,6 +1,8 @@
 #include "clients/visum/run/scenario_reader.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "clients/visum/run/decide.h"
 #include "clients/visum/run/placeholders.h"
@@ -134,9 +136,12 @@ void read_basics(const Node& root, Scenario& scenario) {
   if (scenario.name.empty()) root.get("name").fail("must not be empty");
   const Node scene = root.get("scene");
   scenario.scene = (scene.folder() / scene.text()).lexically_normal();
-  if (!std::filesystem::is_regular_file(scenario.scene)) {
+  std::error_code error;  // set where the name is too long, or a folder on the way may not be entered
+  const auto status = std::filesystem::status(scenario.scene, error);
+  if (status.type() == std::filesystem::file_type::none)
+    scene.fail("'" + scenario.scene.string() + "' cannot be read: " + error.message());
+  if (!std::filesystem::is_regular_file(status))
     scene.fail("there is no file '" + scenario.scene.string() + "'");
-  }
   if (const auto clock = root.find("clock")) scenario.clock = clock->one_of({"realtime", "lockstep", "free"});
   if (const auto engine = root.find("engine")) scenario.engine = engine->text();
   if (const auto seed = root.find("seed")) scenario.seed = seed->integer(0);
