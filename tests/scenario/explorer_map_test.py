@@ -8,7 +8,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "clients" / "python" / "examples"))
 from cart import Pose  # noqa: E402
-from floor_map import CELL, CENTRE_AT, FloorMap, Move, ahead, along, circles, disc  # noqa: E402
+from floor_map import CELL, CENTRE_AT, HALF_SIZE, FloorMap, Move, ahead, along, circles, disc  # noqa: E402
 from floor_map import find_way, fits, sum_around  # noqa: E402
 
 ANGLES = np.linspace(-math.pi, math.pi, 361)
@@ -54,6 +54,15 @@ class Geometry(unittest.TestCase):
             np.testing.assert_array_equal(sum_around(cells, radius), expected)
             np.testing.assert_array_equal(sum_around(cells == 8, radius), sum_around((cells == 8).astype(int), radius) > 0)
 
+    def test_sums_where_few_cells_are_not_0(self):
+        for places in ([], [(0, 0)], [(29, 39)], [(12, 20)], [(3, 39), (17, 5)]):
+            cells = np.zeros((30, 40), dtype=np.int16)
+            for place in places:
+                cells[place] = 3
+            padded = np.pad(cells, 8)
+            expected = sum(padded[8 + i:38 + i, 8 + j:48 + j] for i, j in disc(0.39))
+            np.testing.assert_array_equal(sum_around(cells, 0.39), expected)
+
 
 class Map(unittest.TestCase):
     def setUp(self):
@@ -76,6 +85,18 @@ class Map(unittest.TestCase):
         found = self.floor.align(Pose(true.x + 0.05, true.y - 0.05, true.heading + 0.03), points)
         self.assertLess(math.hypot(found.x - true.x, found.y - true.y), CELL)
         self.assertLess(abs(found.heading - true.heading), 0.01)
+
+    def test_knows_its_walls_after_each_scan(self):
+        before = self.floor.near_walls()
+        self.assertIs(self.floor.near_walls(), before, "found once for a map")
+        self.assertEqual(before.max(), 3)
+        seen(self.floor, Pose(1.0, 0.0, 0.0), (2.8, 2.0))
+        seen(self.floor, Pose(1.0, 0.0, 0.0), (2.8, 2.0))
+        self.assertTrue((self.floor.near_walls() != before).any())
+        i, j = np.unravel_index(self.floor.near_walls().argmax(), before.shape)
+        after = self.floor.near_walls()
+        self.floor.cover(Pose((i - 1 - HALF_SIZE + 0.5) * CELL, (j - 1 - HALF_SIZE + 0.5) * CELL, 0.0))
+        self.assertLess(self.floor.near_walls()[i, j], after[i, j], "where the cart stands, there is no wall")
 
     def test_finds_a_way_to_floor_that_it_has_not_been_near(self):
         roomy = self.floor.passable(0.05)

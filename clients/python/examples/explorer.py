@@ -14,6 +14,7 @@ import argparse
 import math
 import sys
 from collections import deque
+from collections.abc import Callable
 from contextlib import ExitStack
 
 import numpy as np
@@ -33,6 +34,12 @@ KEEP_AWAY = 0.03  # m, from what it did not expect
 WAYS_OUT = (-0.3, 0.3, -0.15, 0.15)  # m, straight on: from where it finds no way, another place may have one
 
 
+def let_pass(client: visum.Client, seconds: float, meanwhile: Callable[[], None]) -> None:
+    client.begin_advance_ns(round(1e9 * seconds))
+    meanwhile()
+    client.finish_advance()
+
+
 class Eye:
     """The distance sensor on the chassis: angles from straight ahead to the left, and distances."""
 
@@ -43,6 +50,7 @@ class Eye:
         ports = {port.name: port for port in part.output_ports}
         fan = ports["Nearest Angle"]
         self.reach = ports["Nearest Distance"].maximum
+        part.follow_blackboard("scan")
         self.look()
         self._see_along(np.linspace(fan.minimum, fan.maximum, len(self.distances)))
 
@@ -50,11 +58,11 @@ class Eye:
         self.angles, self._directions = angles, sin_cos(angles)
 
     def look(self) -> None:
-        self.distances = np.frombuffer(self._part.read_blackboard("scan"), dtype="<f4").astype(float)
+        self.distances = np.frombuffer(self._part.blackboard("scan"), dtype="<f4").astype(float)
 
-    def wait(self, client: visum.Client, seconds: float) -> None:
-        """Lets time pass, and looks."""
-        client.advance_ms(1000 * seconds)
+    def wait(self, client: visum.Client, seconds: float, meanwhile: Callable[[], None]) -> None:
+        """Lets time pass, and looks. Calls `meanwhile` while the server is at work."""
+        let_pass(client, seconds, meanwhile)
         self.look()
 
     def now_ns(self) -> int:
@@ -93,9 +101,9 @@ class TurningEye(Eye):
         self._neck.inputs("Desired Speed")[0] = self.SPEED
         self._neck.write()
 
-    def wait(self, client: visum.Client, seconds: float) -> None:
-        for _ in range(round(seconds / self.RAY_S)):
-            client.advance_ms(1000 * self.RAY_S)
+    def wait(self, client: visum.Client, seconds: float, meanwhile: Callable[[], None]) -> None:
+        for k in range(round(seconds / self.RAY_S)):
+            let_pass(client, self.RAY_S, meanwhile if k == 0 else lambda: None)
             self._way.reckon()
             self._take_ray()
         self.look()
@@ -117,26 +125,42 @@ class TurningEye(Eye):
         self._see_along(np.array([arc_tangent(b - y, a - x) for _, a, b in self._met]) - self._way.pose.heading)
 
 
+def looks_at(step: int) -> bool:
+    return step % STEPS_PER_LOOK == 1
+
+
 class Explorer:
     def __init__(self, client: visum.Client, cart: Cart, eye: Eye, floor: FloorMap, end_ns: int) -> None:
         self._client, self._cart, self._eye, self._floor, self._end_ns = client, cart, eye, floor, end_ns
         self._steps = 0
+        self._drawn = True  # what was seen last is on the map
         self.way = 0.0
 
     def out_of_time(self) -> bool:
         return self._client.time_ns >= self._end_ns
 
     def step(self, speed: float, curvature: float) -> None:
-        """One period: commands the cart, then reads the sensor and updates the map."""
+        """One period: commands the cart, draws the map while it moves, then reads the sensor and says where it is."""
         self._cart.command(speed, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
-        self._eye.wait(self._client, PERIOD_S)
+        self._eye.wait(self._client, PERIOD_S, self.draw)
         self._cart.reckon()
         self.way += abs(speed) * PERIOD_S
         self._steps += 1
-        if self._steps % STEPS_PER_LOOK == 1:
-            pose = self._cart.pose = self._floor.align(self._cart.pose, self._eye.points())
+        if looks_at(self._steps):
+            self._cart.pose = self._floor.align(self._cart.pose, self._eye.points())
+        self._drawn = False
+
+    def draw(self) -> None:
+        """Puts onto the map what was seen last."""
+        if self._drawn:
+            return
+        pose = self._cart.pose
+        if looks_at(self._steps):
             self._floor.see(self._eye.place(pose), self._eye.angles + pose.heading, self._eye.distances, self._eye.reach)
-        self._floor.cover(self._cart.pose)
+        self._floor.cover(pose)
+        if looks_at(self._steps + 1):
+            self._floor.near_walls()
+        self._drawn = True
 
     def stand(self, seconds: float, curvature: float = 0.0) -> None:
         for _ in range(round(seconds / PERIOD_S)):
@@ -146,6 +170,7 @@ class Explorer:
         self.stand(self._eye.settle_s)
         untried = list(WAYS_OUT)
         while not self.out_of_time():
+            self.draw()
             moves = find_way(self._floor, self._cart.pose)
             if moves:
                 untried = list(WAYS_OUT)
@@ -178,7 +203,7 @@ class Explorer:
         length = sum(abs(move.way) for move in run)
         driven = speed = 0.0
         # If it stands nearer to something than it should, it may leave, but come no nearer.
-        least = min(CIRCLE_RADIUS + KEEP_AWAY, room(self._eye.points(), Pose()))
+        least = min(CIRCLE_RADIUS + KEEP_AWAY, room(self._eye.points(), [Pose()]))
         while driven < length and not self.out_of_time():
             braking = math.sqrt(2 * ACCELERATION * (length - driven))
             speed = max(0.02, min(speed + ACCELERATION * PERIOD_S, braking, CRUISE))
@@ -195,7 +220,8 @@ class Explorer:
         """True if the scan shows something nearer than `least` to where the cart will be before it can stop."""
         here, points = self._cart.pose, self._eye.points()
         to = driven + speed * speed / (2 * ACCELERATION) + STOP_SHORT
-        return any(room(points, seen_from(here, on_run(start, run, way)[0])) < least for way in np.arange(driven, to, 0.05))
+        poses = [seen_from(here, on_run(start, run, way)[0]) for way in np.arange(driven, to, 0.05).tolist()]
+        return room(points, poses) < least
 
 
 def seen_from(here: Pose, there: Pose) -> Pose:
@@ -204,12 +230,12 @@ def seen_from(here: Pose, there: Pose) -> Pose:
     return Pose(x * cos + y * sin, y * cos - x * sin, there.heading - here.heading)
 
 
-def room(points: np.ndarray, pose: Pose) -> float:
-    """The distance of the nearest point to the middle of one of the circles that cover the cart at `pose`."""
+def room(points: np.ndarray, poses: list[Pose]) -> float:
+    """The distance of the nearest point to the middle of one of the circles that cover the cart at any of the poses."""
     if not len(points):
         return math.inf
-    circles = np.array([ahead(pose, way) for way in CIRCLES_AT])
-    x, y = points[:, :1] - circles[:, 0], points[:, 1:] - circles[:, 1]
+    circles = np.array([ahead(pose, way) for pose in poses for way in CIRCLES_AT])
+    x, y = points[:, 0] - circles[:, :1], points[:, 1] - circles[:, 1:]
     return math.sqrt((x * x + y * y).min())
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from functools import lru_cache
+from math import floor
 from typing import NamedTuple
 
 import numpy as np
@@ -58,18 +59,18 @@ def along(pose: Pose, move: Move) -> Pose:
     """The pose at the end of a move."""
     turn = move.way * move.curvature
     # The chord of the arc lies midway between both headings.
-    x, y = ahead(Pose(pose.x, pose.y, pose.heading + turn / 2), chord(move))
-    return Pose(x, y, pose.heading + turn)
+    way, (sin, cos) = chord(move), facing(pose.heading + turn / 2)
+    return Pose(pose.x + way * cos, pose.y + way * sin, pose.heading + turn)
 
 
 def cell_of(x: float, y: float) -> tuple[int, int]:
-    return math.floor(x / CELL) + HALF_SIZE, math.floor(y / CELL) + HALF_SIZE
+    return floor(x / CELL) + HALF_SIZE, floor(y / CELL) + HALF_SIZE
 
 
 @lru_cache
 def half_widths(radius: float) -> list[int]:
     """By rows from the middle of a disc: how many cells it has to each side."""
-    reach = math.floor(radius / CELL)
+    reach = floor(radius / CELL)
     return [max(j for j in range(reach + 1) if hypotenuse(i, j) * CELL <= radius) for i in range(reach + 1)]
 
 
@@ -82,7 +83,14 @@ def disc(radius: float) -> list[tuple[int, int]]:
 def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
     """For each cell the sum of all cells within the radius; of booleans, whether one of them is true."""
     widths = half_widths(radius)
-    result, rows = np.zeros_like(cells), cells.copy()
+    everywhere = np.zeros_like(cells)
+    # Beyond the part where cells are not 0, and the radius, the sums are 0.
+    where = [np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0)]
+    if not len(where[0]):
+        return everywhere
+    part = tuple(slice(max(0, some[0] - widths[0]), some[-1] + widths[0] + 1) for some in where)
+    cells, result = cells[part], everywhere[part]
+    rows = cells.copy()
     for width in range(widths[0] + 1):
         if width:  # each cell has the sum of its row, so far to both sides
             rows[:, width:] += cells[:, :-width]
@@ -92,13 +100,14 @@ def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
                 result[i:] += rows[:-i or None]
                 if i:
                     result[:-i] += rows[i:]
-    return result
+    return everywhere
 
 
 class FloorMap:
     def __init__(self, cover_radius: float) -> None:
         self._evidence = np.zeros((SIDE, SIDE), dtype=np.int16)
         self._covered = np.zeros((SIDE, SIDE), dtype=bool)
+        self._near_walls: np.ndarray | None = None
         self._cover_radius, self._cover = cover_radius, np.array(disc(cover_radius))
         self.worthwhile = len(self._cover) // 8  # cells to be covered anew, to go somewhere
 
@@ -125,6 +134,7 @@ class FloorMap:
         marks = np.zeros(self._evidence.size, dtype=bool)
         marks[(SIDE * i + j)[inside]] = True
         touched = np.flatnonzero(marks)
+        self._near_walls = None
         self._evidence.put(touched, np.clip(self._evidence.take(touched) + weight, LEAST, MOST))
 
     def _free(self) -> np.ndarray:
@@ -133,23 +143,30 @@ class FloorMap:
     def _occupied(self) -> np.ndarray:
         return self._evidence >= SOMETHING
 
+    def near_walls(self) -> np.ndarray:
+        """The more, the nearer a cell is to a wall. With a border of 0, for what lies beyond the map. It is found once for a map,
+        so whoever has time before align() may call it then."""
+        if self._near_walls is None:
+            walls = self._occupied()
+            self._near_walls = np.zeros((SIDE + 2, SIDE + 2), dtype=np.int16)
+            for radius in (0.0, CELL, 2 * CELL):
+                self._near_walls[1:-1, 1:-1] += sum_around(walls, radius)
+        return self._near_walls
+
     def align(self, pose: Pose, points: np.ndarray) -> Pose:
         """The pose near this one from which a scan's points, in the cart's frame, lie best on what has been seen before."""
-        walls = self._occupied()
-        near_walls = sum(sum_around(walls, radius).astype(np.int16) for radius in (0.0, CELL, 2 * CELL))
-        # With a border of nothing, for what lies beyond the map
-        near_walls = np.pad(near_walls, 1).ravel()
+        near_walls = self.near_walls()
+        ahead, aside = points.T.copy()
 
         def cells(places: list[float], first: np.ndarray, second: np.ndarray) -> np.ndarray:
             """The row or column in near_walls, by place, heading and point: of a place plus both parts of a turned point."""
             found = np.floor((np.array(places)[:, None, None] + first + second) / CELL) + (HALF_SIZE + 1)
-            return np.clip(found, 0, SIDE + 1).astype(int)
+            return np.minimum(np.maximum(found, 0.0), SIDE + 1.0).astype(np.intp)
 
         def scores(x: list[float], y: list[float], headings: list[float]) -> np.ndarray:
             """By x, y and heading: how well the points lie on walls."""
-            sin, cos = sin_cos(np.array(headings)[:, None])
-            i = cells(x, points[:, 0] * cos, -points[:, 1] * sin)
-            j = cells(y, points[:, 0] * sin, points[:, 1] * cos)
+            sin, cos = np.array([sin_cos(heading) for heading in headings]).T[:, :, None]
+            i, j = cells(x, ahead * cos, -aside * sin), cells(y, ahead * sin, aside * cos)
             return near_walls.take(i[:, None] * (SIDE + 2) + j).sum(axis=3)
 
         best, most = pose, scores(*([value] for value in pose)).item()
@@ -165,6 +182,7 @@ class FloorMap:
         """The cart was here: it has covered what is near, and stands on free floor."""
         centre = cell_of(*ahead(pose, CENTRE_AT))
         self._covered[self._cover[:, 0] + centre[0], self._cover[:, 1] + centre[1]] = True
+        self._near_walls = None
         for way in CIRCLES_AT:
             self._evidence[cell_of(*ahead(pose, way))] = LEAST
 
@@ -198,7 +216,7 @@ def direction_of(heading: float) -> int:
 
 def cell_number(x: float, y: float) -> int:
     """Counts the cells of cell_of() row by row."""
-    return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
+    return (floor(x / CELL) + HALF_SIZE) * SIDE + floor(y / CELL) + HALF_SIZE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -218,7 +236,8 @@ NEXT = {last: [(k, cost_of(last, move)) for k, move in enumerate(MOVES) if not (
 
 def circles(pose: Pose) -> list[tuple[float, float]]:
     """The circles that cover the cart, from its place."""
-    return [ahead(Pose(0.0, 0.0, pose.heading), way) for way in CIRCLES_AT]
+    sin, cos = facing(pose.heading)
+    return [(way * cos, way * sin) for way in CIRCLES_AT]
 
 
 class Steps:
@@ -228,6 +247,7 @@ class Steps:
         start = Pose(0.0, 0.0, heading)
         ends = [along(start, move) for move in MOVES]
         self.to = [(end.x, end.y, end.heading, direction_of(end.heading)) for end in ends]
+        self.centre = ahead(start, CENTRE_AT)
         self.circles = circles(start)
         self.circles_at_end = [circles(end) for end in ends]
         self.halfway = [(half.x, half.y, circles(half)) for half in (along(start, half) for half in HALVES)]
@@ -235,17 +255,18 @@ class Steps:
 
 def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:
     """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
+    # Asked millions of times, so the numbers of the cells are counted here.
     for i, j in covering:
-        if not passable[cell_number(x + i, y + j)]:
+        if not passable[(floor((x + i) / CELL) + HALF_SIZE) * SIDE + floor((y + j) / CELL) + HALF_SIZE]:
             return False
     return True
 
 
-def find_way(floor: FloorMap, start: Pose) -> list[Move]:
+def find_way(grid: FloorMap, start: Pose) -> list[Move]:
     """The cheapest moves to a place that covers much new floor (Dijkstra's algorithm over places and headings). None if there
     is no such place."""
-    roomy, tight = floor.passable(MARGIN).tobytes(), floor.passable(LEAST_MARGIN).tobytes()
-    worthwhile = (floor.gain() >= floor.worthwhile).tobytes()
+    roomy, tight = grid.passable(MARGIN).tobytes(), grid.passable(LEAST_MARGIN).tobytes()
+    worthwhile = (grid.gain() >= grid.worthwhile).tobytes()
     # A node is a cell with a direction.
     first = cell_number(start.x, start.y) * HEADINGS + direction_of(start.heading)
     open_list: list[tuple[float, int, float, float, float, int, int | None, Move | None]] = [
@@ -263,7 +284,7 @@ def find_way(floor: FloorMap, start: Pose) -> list[Move]:
             steps_from[heading] = Steps(heading)
         steps = steps_from[heading]
         has_room = fits(roomy, x, y, steps.circles)
-        if last and has_room and worthwhile[cell_number(*ahead(Pose(x, y, heading), CENTRE_AT))]:
+        if last and has_room and worthwhile[cell_number(x + steps.centre[0], y + steps.centre[1])]:
             return way_to(came, here)
         for k, more in NEXT[last]:
             by_x, by_y, turned, headed = steps.to[k]
