@@ -12,10 +12,11 @@ bool is_plain(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-// True for words and numbers that have no special meaning in YAML, in any place.
+// True for words and numbers that have no special meaning in YAML, in any place: also for -5, .5 and -.inf.
 bool is_harmless(std::string_view text) {
   if (text == "null" || text == "Null" || text == "NULL") return false;
-  if (text.starts_with('-')) text.remove_prefix(1);
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('.')) text.remove_prefix(1);
   if (text.empty() || !is_plain(text.front())) return false;
   return std::ranges::all_of(
       text, [](char c) { return is_plain(c) || c == '.' || c == '+' || c == '-' || c == '/'; });

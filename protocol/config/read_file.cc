@@ -14,8 +14,12 @@ std::string too_large(std::uintmax_t bytes, std::size_t max_bytes) {
 thread_local FilesNoted* noted = nullptr;
 thread_local const FilesGiven* given = nullptr;
 
+std::filesystem::path normal(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal();
+}
+
 std::string key_of(const std::filesystem::path& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
+  return normal(path).string();
 }
 
 FileContent read_given(const std::filesystem::path& path, std::size_t max_bytes) {
@@ -66,6 +70,12 @@ bool is_file(const std::filesystem::path& path) {
   if (given) return given->files.contains(key_of(path));
   std::error_code error;
   return std::filesystem::is_regular_file(path, error);
+}
+
+std::filesystem::path identity_of(const std::filesystem::path& path) {
+  std::error_code error;  // a folder on the way may not be entered
+  auto canonical = given ? std::filesystem::path() : std::filesystem::weakly_canonical(path, error);
+  return given || error ? normal(path) : canonical;
 }
 
 FilesNoted::FilesNoted() {

@@ -20,6 +20,10 @@ FileContent read_file(const std::filesystem::path& path, std::size_t max_bytes);
 // True if there is a file that can be read. For callers that look for a file in several places.
 bool is_file(const std::filesystem::path& path);
 
+// One path for all ways to write a file's path: absolute, without ".", "..", and links as far as the disk
+// tells. Where files are given (FilesGiven), the disk is not asked.
+std::filesystem::path identity_of(const std::filesystem::path& path);
+
 // Contents by absolute path without "." and "..".
 using Files = std::map<std::string, std::string>;
 

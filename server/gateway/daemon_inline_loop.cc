@@ -196,7 +196,11 @@ void InlineLoop::run() {
       server.write();
     } else {
       gateway.serve();
-      await_sessions();
+      // Of requests that came together it sends on one after the other, so the next may be there by now.
+      if (doors_.mailbox.has_items())
+        server.poll();
+      else
+        await_sessions();
       now = polled = Clock::now();
     }
   }

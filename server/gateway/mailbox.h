@@ -103,6 +103,7 @@ class Mailbox {
     Command* command = nullptr;
   };
   bool next(Item& item);
+  bool has_items() const { return sent_.read_available() > 0; }
   void give_back(Input* input);
   void give_back(std::unique_ptr<Command> command);
   void tell(const Notice& notice);                   // dropped where the queue is full

@@ -46,11 +46,13 @@ std::string etag_of(const std::string& bytes) {
 }  // namespace
 
 PageFiles::PageFiles(const fs::path& folder) {
-  if (!fs::is_regular_file(folder / "index.html"))
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "index.html", error))
     throw std::runtime_error("the page's folder '" + folder.string() + "' holds no index.html");
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    std::string path = "/" + fs::relative(entry.path(), folder).generic_string();
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const fs::directory_entry& entry = *at;
+    if (std::error_code none; !entry.is_regular_file(none)) continue;
+    std::string path = "/" + entry.path().lexically_relative(folder).generic_string();
     const bool compressed = path.ends_with(kCompressed);
     if (compressed) path.resize(path.size() - kCompressed.size());
     File& file = files_[path];
@@ -58,6 +60,9 @@ PageFiles::PageFiles(const fs::path& folder) {
     if (files_.size() > kMaxFiles)
       throw std::runtime_error("the page's folder '" + folder.string() + "' holds too many files");
   }
+  if (error)
+    throw std::runtime_error("the page's folder '" + folder.string() +
+                             "' cannot be read: " + error.message());
   for (auto& [path, file] : files_) {
     file.content_type = content_type_of(path);
     file.etag = etag_of(file.plain);

@@ -29,6 +29,13 @@ std::string what_differs(const Header& kept, const scene::Scene& scene, const Or
   return same ? "" : "another scene, '" + kept.scene + "', or its files have changed since";
 }
 
+bool is_there(const std::filesystem::path& file) {
+  std::error_code error;
+  const bool found = std::filesystem::exists(file, error);
+  if (error) throw std::runtime_error("the server cannot read its folder for files: " + error.message());
+  return found;
+}
+
 }  // namespace
 
 void Archive::make_folder() const {
@@ -40,9 +47,11 @@ void Archive::make_folder() const {
 void Archive::save(const cycle::Simulation& simulation, const std::string& name, const State& state) const {
   make_folder();
   std::size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_))
-    count += entry.path().string().ends_with(".snapshot.mcap");
-  if (count >= kMostSnapshots && !std::filesystem::exists(snapshot_file(name)))
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error))
+    count += at->path().string().ends_with(".snapshot.mcap");
+  if (error) throw std::runtime_error("the server cannot read its folder for files: " + error.message());
+  if (count >= kMostSnapshots && !is_there(snapshot_file(name)))
     throw std::runtime_error("the server keeps " + std::to_string(kMostSnapshots) + " snapshots already");
   try {
     const config::NewFile made(snapshot_file(name));
@@ -66,8 +75,7 @@ void Archive::save(const cycle::Simulation& simulation, const std::string& name,
 }
 
 State Archive::load(const cycle::Simulation& simulation, const std::string& name) const {
-  if (!std::filesystem::exists(snapshot_file(name)))
-    throw std::runtime_error("there is no snapshot '" + name + "'");
+  if (!is_there(snapshot_file(name))) throw std::runtime_error("there is no snapshot '" + name + "'");
   RecordingFile file(snapshot_file(name));
   if (const auto other = what_differs(file.header(), simulation.scene(), origin_); !other.empty())
     throw std::runtime_error("the snapshot '" + name + "' is of " + other + ": it does not fit here");
@@ -81,8 +89,7 @@ State Archive::load(const cycle::Simulation& simulation, const std::string& name
 
 std::unique_ptr<Recorder> Archive::record(cycle::Simulation& simulation, const std::string& name) const {
   make_folder();
-  if (std::filesystem::exists(recording_file(name)))
-    throw std::runtime_error("there is a recording '" + name + "' already");
+  if (is_there(recording_file(name))) throw std::runtime_error("there is a recording '" + name + "' already");
   return Recorder::prepare(simulation, origin_, recording_file(name));
 }
 

@@ -90,7 +90,7 @@ config::ConfigError told_where(const config::ConfigError& error, const fs::path&
 
 void Includes::check(const fs::path& file, const Node& entry) const {
   std::error_code error;
-  const fs::path canonical = fs::weakly_canonical(file, error);
+  const fs::path canonical = config::identity_of(file);
   if (std::find(chain_.begin(), chain_.end(), canonical) != chain_.end()) {
     std::string chain;
     for (const fs::path& each : chain_) chain += each.filename().string() + " -> ";
@@ -104,8 +104,7 @@ void Includes::check(const fs::path& file, const Node& entry) const {
 }
 
 Node Includes::open(const fs::path& file) {
-  std::error_code error;
-  const fs::path canonical = fs::weakly_canonical(file, error);
+  const fs::path canonical = config::identity_of(file);
   auto known = texts_.find(canonical);
   if (known == texts_.end()) known = texts_.emplace(canonical, config::load_file(file)).first;
   chain_.push_back(canonical);

@@ -113,7 +113,7 @@ TEST(Sweep, SaysWhatIsWrongAndWhere) {
 TEST(Flow, ReadsBackAsTheSame) {
   for (const std::string text :
        {"{a: 1, b: \"1\", c: [true, \"x y\", null], \"d: e\": \"{#}\"}", "\"line\\x0aline \\\"quoted\\\"\"",
-        "[]", "-0.5", "{}", "{\"null\": \"NULL\"}"}) {
+        "[]", "-0.5", "{}", "{\"null\": \"NULL\", \"Null\": -.inf}", "[.5, -.5, +5, 1e+3, .nan]"}) {
     const auto node = config::load_text(text, "t");
     EXPECT_EQ(config::flow(node), text);
     EXPECT_EQ(config::flow(config::load_text(config::flow(node), "t")), text);

@@ -88,10 +88,13 @@ class Map(unittest.TestCase):
 
     def test_knows_its_walls_after_each_scan(self):
         before = self.floor.near_walls()
+        # The wall at x = 2.5 m lies in the cell behind it.
+        row, column = 1 + HALF_SIZE + round(2.5 / CELL), 1 + HALF_SIZE
+        self.assertEqual(before[row - 4:row + 1, column].tolist()[-4:], [0, 1, 2, 3])
         self.assertIs(self.floor.near_walls(), before, "found once for a map")
         self.assertEqual(before.max(), 3)
-        seen(self.floor, Pose(1.0, 0.0, 0.0), (2.8, 2.0))
-        seen(self.floor, Pose(1.0, 0.0, 0.0), (2.8, 2.0))
+        for _ in range(2):
+            self.floor.see((1.0, 0.0), ANGLES, distances_in_box(1.0, 0.0, 0.0, (2.8, 2.0)), REACH)
         self.assertTrue((self.floor.near_walls() != before).any())
         i, j = np.unravel_index(self.floor.near_walls().argmax(), before.shape)
         after = self.floor.near_walls()

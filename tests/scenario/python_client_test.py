@@ -209,31 +209,6 @@ class OnTheTwoLinkRobot(unittest.TestCase):
     def test_blackboard_tells_the_identity(self) -> None:
         self.assertIn(b"example_24nm", self.robot.read_blackboard("Identity"))
 
-    def test_a_blackboard_that_is_followed_comes_with_each_sample(self) -> None:
-        with self.assertRaises(visum.Error) as caught:
-            self.robot.blackboard("Trajectory")
-        self.assertEqual(caught.exception.code, visum.ErrorCode.MISUSE)
-        with self.assertRaises(visum.Error) as caught:
-            self.robot.follow_blackboard("Nonsense")
-        self.assertEqual(caught.exception.code, visum.ErrorCode.UNKNOWN_NAME)
-        self.robot.follow_blackboard("Trajectory")
-        self.robot.follow_blackboard("Identity")
-        before = self.robot.blackboard("Trajectory")
-        with self.robot.lease():
-            self.client.join()
-            self.robot.follow_trajectory([(1.0, (0.1, 0.2))])
-            self.assertEqual(self.robot.blackboard("Trajectory"), before, "as of the newest sample")
-            self.client.advance_ms(10)
-            after = self.robot.blackboard("Trajectory")
-            self.assertNotEqual(after, before)
-            self.assertEqual(after, self.robot.read_blackboard("Trajectory"))
-            self.robot.follow_trajectory([])
-            self.robot.read()
-            self.assertEqual(self.robot.blackboard("Trajectory"), self.robot.read_blackboard("Trajectory"))
-            self.assertNotEqual(self.robot.blackboard("Trajectory"), after)
-            self.assertIn(b"example_24nm", self.robot.blackboard("Identity"))
-            self.client.leave()
-
     def test_world_is_the_truth_of_the_ports(self) -> None:
         view = self.admin.read_world()
         self.assertIn("robot/upper", view.world.body_names)

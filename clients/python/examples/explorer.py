@@ -50,7 +50,6 @@ class Eye:
         ports = {port.name: port for port in part.output_ports}
         fan = ports["Nearest Angle"]
         self.reach = ports["Nearest Distance"].maximum
-        part.follow_blackboard("scan")
         self.look()
         self._see_along(np.linspace(fan.minimum, fan.maximum, len(self.distances)))
 
@@ -58,7 +57,7 @@ class Eye:
         self.angles, self._directions = angles, sin_cos(angles)
 
     def look(self) -> None:
-        self.distances = np.frombuffer(self._part.blackboard("scan"), dtype="<f4").astype(float)
+        self.distances = np.frombuffer(self._part.read_blackboard("scan"), dtype="<f4").astype(float)
 
     def wait(self, client: visum.Client, seconds: float, meanwhile: Callable[[], None]) -> None:
         """Lets time pass, and looks. Calls `meanwhile` while the server is at work."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import heapq
 import math
 from functools import lru_cache
-from math import floor
 from typing import NamedTuple
 
 import numpy as np
@@ -64,13 +63,13 @@ def along(pose: Pose, move: Move) -> Pose:
 
 
 def cell_of(x: float, y: float) -> tuple[int, int]:
-    return floor(x / CELL) + HALF_SIZE, floor(y / CELL) + HALF_SIZE
+    return math.floor(x / CELL) + HALF_SIZE, math.floor(y / CELL) + HALF_SIZE
 
 
 @lru_cache
 def half_widths(radius: float) -> list[int]:
     """By rows from the middle of a disc: how many cells it has to each side."""
-    reach = floor(radius / CELL)
+    reach = math.floor(radius / CELL)
     return [max(j for j in range(reach + 1) if hypotenuse(i, j) * CELL <= radius) for i in range(reach + 1)]
 
 
@@ -151,12 +150,13 @@ class FloorMap:
             self._near_walls = np.zeros((SIDE + 2, SIDE + 2), dtype=np.int16)
             for radius in (0.0, CELL, 2 * CELL):
                 self._near_walls[1:-1, 1:-1] += sum_around(walls, radius)
+            self._near_walls.flags.writeable = False
         return self._near_walls
 
     def align(self, pose: Pose, points: np.ndarray) -> Pose:
         """The pose near this one from which a scan's points, in the cart's frame, lie best on what has been seen before."""
         near_walls = self.near_walls()
-        ahead, aside = points.T.copy()
+        forward, aside = points.T.copy()
 
         def cells(places: list[float], first: np.ndarray, second: np.ndarray) -> np.ndarray:
             """The row or column in near_walls, by place, heading and point: of a place plus both parts of a turned point."""
@@ -166,7 +166,7 @@ class FloorMap:
         def scores(x: list[float], y: list[float], headings: list[float]) -> np.ndarray:
             """By x, y and heading: how well the points lie on walls."""
             sin, cos = np.array([sin_cos(heading) for heading in headings]).T[:, :, None]
-            i, j = cells(x, ahead * cos, -aside * sin), cells(y, ahead * sin, aside * cos)
+            i, j = cells(x, forward * cos, -aside * sin), cells(y, forward * sin, aside * cos)
             return near_walls.take(i[:, None] * (SIDE + 2) + j).sum(axis=3)
 
         best, most = pose, scores(*([value] for value in pose)).item()
@@ -216,7 +216,7 @@ def direction_of(heading: float) -> int:
 
 def cell_number(x: float, y: float) -> int:
     """Counts the cells of cell_of() row by row."""
-    return (floor(x / CELL) + HALF_SIZE) * SIDE + floor(y / CELL) + HALF_SIZE
+    return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -257,16 +257,16 @@ def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]
     """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
     # Asked millions of times, so the numbers of the cells are counted here.
     for i, j in covering:
-        if not passable[(floor((x + i) / CELL) + HALF_SIZE) * SIDE + floor((y + j) / CELL) + HALF_SIZE]:
+        if not passable[(math.floor((x + i) / CELL) + HALF_SIZE) * SIDE + math.floor((y + j) / CELL) + HALF_SIZE]:
             return False
     return True
 
 
-def find_way(grid: FloorMap, start: Pose) -> list[Move]:
+def find_way(floor: FloorMap, start: Pose) -> list[Move]:
     """The cheapest moves to a place that covers much new floor (Dijkstra's algorithm over places and headings). None if there
     is no such place."""
-    roomy, tight = grid.passable(MARGIN).tobytes(), grid.passable(LEAST_MARGIN).tobytes()
-    worthwhile = (grid.gain() >= grid.worthwhile).tobytes()
+    roomy, tight = floor.passable(MARGIN).tobytes(), floor.passable(LEAST_MARGIN).tobytes()
+    worthwhile = (floor.gain() >= floor.worthwhile).tobytes()
     # A node is a cell with a direction.
     first = cell_number(start.x, start.y) * HEADINGS + direction_of(start.heading)
     open_list: list[tuple[float, int, float, float, float, int, int | None, Move | None]] = [

@@ -70,8 +70,7 @@ class Client:
         self._pending_writes: deque[tuple[int, pb.Write]] = deque()
         self._ahead_ns = 0  # how far the ticks that were asked for are ahead of the sum of the periods
         self._holds_world = False  # the clock is lockstep, and this client has joined
-        # The number of an advance under way, and those of what each part asks behind it.
-        self._advance: tuple[int, list[list[int]]] | None = None
+        self._advance: list[int] = []  # the numbers of an advance under way and of the reads behind it
         self._world: World | None = None
         self._world_revision = -1
 
@@ -146,7 +145,9 @@ class Client:
         self.finish_advance()
 
     def begin_advance_ns(self, period_ns: int) -> None:
-        """The first half of advance_ns(): says so, and does not wait. So worlds of several clients run at the same time."""
+        """The first half of advance_ns(): says so, and does not wait. So worlds of several clients run at the same time, and a
+        program can do other things meanwhile. Until finish_advance() no other call of this client or its parts is allowed but
+        writes."""
         if period_ns <= 0:
             raise Error(ErrorCode.MISUSE, "a period must be longer than 0 ns")
         if self._advance:
@@ -156,7 +157,8 @@ class Client:
         self._ahead_ns = ticks * self.server.tick_ns - missing_ns
         if ticks > 0:
             # Everything leaves together, so that the server is woken once.
-            self._advance = (self.connection.send_along(advance=pb.Advance(ticks=ticks)), [part.ask() for part in self._parts])
+            self._advance = [self.connection.send_along(advance=pb.Advance(ticks=ticks))]
+            self._advance += [self.connection.send_along(read=pb.Read(part=part.name)) for part in self._parts]
             self.connection.flush()
 
     def finish_advance(self) -> None:
@@ -164,18 +166,20 @@ class Client:
         if not self._advance:
             return
         # All answers are read before anything is raised, so that none is left over for the next period.
-        (number, asked), self._advance = self._advance, None
+        numbers, self._advance = self._advance, []
         refusal = self.settle()
-        advanced = self.connection.take(number)
-        answers = [[self.connection.take(number) for number in numbers] for numbers in asked]
+        advanced, *samples = [self.connection.take(number) for number in numbers]
         if stood_still := refusal_of(advanced):
             # The server may have dropped this member: it drops members that come too late.
             self._holds_world = False
             raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
-        refusals = [refusal, *(part.apply_all(replies) for part, replies in zip(self._parts, answers))]
-        if first := next(filter(None, refusals), None):
-            raise first
+        for part, sample in zip(self._parts, samples):
+            refusal = refusal or refusal_of(sample)
+            if sample.WhichOneof("body") == "part_sample":
+                part.apply(sample.part_sample)
+        if refusal:
+            raise refusal
 
     def advance_ms(self, period_ms: float) -> None:
         self.advance_ns(round(period_ms * 1e6))

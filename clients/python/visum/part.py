@@ -52,7 +52,6 @@ class Part:
         self.sample_tick = 0
         self.sample_time_ns = 0
         self._era = 0
-        self._blackboards: dict[str, bytes] = {}  # those that are followed
         self.leased = False
         self._forget_writes()
         self.read()
@@ -79,29 +78,13 @@ class Part:
             self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
 
     def read(self) -> None:
-        """Brings the outputs, and the blackboards that are followed, up to date, in one round trip."""
-        numbers = self.ask()
-        self._client.connection.flush()
+        """Brings the outputs up to date, in one round trip."""
+        number = self._client.connection.send(read=pb.Read(part=self.name))
         refusal = self._client.settle()
-        refused = self.apply_all([self._client.connection.take(number) for number in numbers])
-        if refusal := refusal or refused:
+        reply = self._client.connection.take(number)
+        if refusal := refusal or refusal_of(reply):
             raise refusal
-
-    def ask(self) -> list[int]:
-        """Asks for all that read() brings. The requests leave with the next flush(). Returns the numbers of the replies."""
-        ask = self._client.connection.send_along
-        return [ask(read=pb.Read(part=self.name)),
-                *(ask(read_blackboard=pb.ReadBlackboard(part=self.name, name=name)) for name in self._blackboards)]
-
-    def apply_all(self, replies: list[pb.ServerMessage]) -> Error | None:
-        """Takes in the replies to ask(), and returns the first refusal."""
-        sample, *contents = replies
-        if sample.WhichOneof("body") == "part_sample":
-            self.apply(sample.part_sample)
-        for name, reply in zip(self._blackboards, contents):
-            if reply.WhichOneof("body") == "blackboard":
-                self._blackboards[name] = reply.blackboard.data
-        return next(filter(None, map(refusal_of, replies)), None)
+        self.apply(reply.part_sample)
 
     def apply(self, sample: pb.PartSample) -> None:
         """Takes in a sample. What we have written under the lease stays: nobody else may write then, and the sample may be
@@ -183,16 +166,6 @@ class Part:
     def read_blackboard(self, name: str) -> bytes:
         return self._client.connection.request(
             read_blackboard=pb.ReadBlackboard(part=self.name, name=name)).blackboard.data
-
-    def follow_blackboard(self, name: str) -> None:
-        """From now on each advance and each read() also brings this blackboard's content, without a round trip of its own."""
-        self._blackboards[name] = self.read_blackboard(name)
-
-    def blackboard(self, name: str) -> bytes:
-        """The content of a blackboard that is followed, as of the newest sample."""
-        if name not in self._blackboards:
-            raise Error(ErrorCode.MISUSE, f"blackboard '{name}' is not followed: call follow_blackboard() first")
-        return self._blackboards[name]
 
     def write_blackboard(self, name: str, data: bytes, offset: int = 0) -> None:
         """At offset 0 the data become the whole content."""

@@ -55,7 +55,7 @@ class Expander {
 
   X3dNode read() {
     X3dNode scene = parse(main_);
-    chain_.push_back(fs::weakly_canonical(main_));
+    chain_.push_back(config::identity_of(main_));
     scopes_.emplace_back();
     is_xml_ = is_xml(main_);
     expand(scene);
@@ -195,7 +195,7 @@ class Expander {
 
   // Reads a file once, however often it is inlined. `wanted_by` is blamed for circles and too many files.
   const Expanded& expanded(const fs::path& file, const X3dNode& wanted_by) {
-    const fs::path name = fs::weakly_canonical(file);
+    const fs::path name = config::identity_of(file);
     if (std::ranges::find(chain_, name) != chain_.end())
       fail(wanted_by, "'" + file.string() + "' inlines itself");
     if (const auto known = files_.find(name); known != files_.end()) return known->second;
