@@ -196,7 +196,7 @@ void InlineLoop::run() {
       server.write();
     } else {
       gateway.serve();
-      // Of requests that came together it sends on one after the other, so the next may be there by now.
+      // It sends on one request after the other, so the next of those that came together may be there now.
       if (doors_.mailbox.has_items())
         server.poll();
       else
