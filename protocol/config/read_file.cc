@@ -73,9 +73,10 @@ bool is_file(const std::filesystem::path& path) {
 }
 
 std::filesystem::path identity_of(const std::filesystem::path& path) {
+  if (given) return normal(path);
   std::error_code error;  // a folder on the way may not be entered
-  auto canonical = given ? std::filesystem::path() : std::filesystem::weakly_canonical(path, error);
-  return given || error ? normal(path) : canonical;
+  auto canonical = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+  return error ? normal(path) : canonical;
 }
 
 FilesNoted::FilesNoted() {

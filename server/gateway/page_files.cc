@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "protocol/config/read_file.h"

@@ -29,10 +29,14 @@ std::string what_differs(const Header& kept, const scene::Scene& scene, const Or
   return same ? "" : "another scene, '" + kept.scene + "', or its files have changed since";
 }
 
+void refuse(const std::error_code& error) {
+  if (error) throw std::runtime_error("the server cannot read its folder for files: " + error.message());
+}
+
 bool is_there(const std::filesystem::path& file) {
   std::error_code error;
   const bool found = std::filesystem::exists(file, error);
-  if (error) throw std::runtime_error("the server cannot read its folder for files: " + error.message());
+  refuse(error);
   return found;
 }
 
@@ -50,7 +54,7 @@ void Archive::save(const cycle::Simulation& simulation, const std::string& name,
   std::error_code error;
   for (std::filesystem::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error))
     count += at->path().string().ends_with(".snapshot.mcap");
-  if (error) throw std::runtime_error("the server cannot read its folder for files: " + error.message());
+  refuse(error);
   if (count >= kMostSnapshots && !is_there(snapshot_file(name)))
     throw std::runtime_error("the server keeps " + std::to_string(kMostSnapshots) + " snapshots already");
   try {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "protocol/config/expression.h"
+#include "protocol/config/read_file.h"
 #include "protocol/config/trig.h"
 #include "tests/support/temp_files.h"
 
@@ -253,6 +254,22 @@ TEST(Config, UnknownNamesAreToldWithTheNearestOrWithAShortList) {
   EXPECT_EQ(unknown_name("key", "colour", {"mass"}), "there is no key 'colour'; there is only 'mass'");
   EXPECT_EQ(unknown_name("key", "colour", {}), "there is no key 'colour'");
   EXPECT_EQ(unknown_name("key", "colour", std::vector<std::string>(9, "mass")), "there is no key 'colour'");
+}
+
+TEST(ReadFile, OneFileHasOneIdentity) {
+  const test::TempFiles files;
+  const auto file = files.write("real/a.yaml", ""), link = files.folder() / "link";
+  std::filesystem::create_directory_symlink("real", link);
+  EXPECT_EQ(identity_of(link / "a.yaml"), identity_of(file));
+  EXPECT_EQ(identity_of(files.folder() / "real/../real/./a.yaml"), identity_of(file));
+  EXPECT_TRUE(identity_of("nowhere.yaml").is_absolute());
+  // The disk does not tell where this leads. Two files behind it are two files all the same.
+  const auto loop = files.folder() / "loop";
+  std::filesystem::create_symlink("loop", loop);
+  EXPECT_EQ(identity_of(loop / "a.yaml"), loop / "a.yaml");
+  const Files all;
+  const FilesGiven given(all);
+  EXPECT_EQ(identity_of(link / "a.yaml"), link / "a.yaml") << "the disk is not asked";
 }
 
 }  // namespace

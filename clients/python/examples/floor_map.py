@@ -255,9 +255,8 @@ class Steps:
 
 def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:
     """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
-    # Asked millions of times, so the numbers of the cells are counted here.
     for i, j in covering:
-        if not passable[(math.floor((x + i) / CELL) + HALF_SIZE) * SIDE + math.floor((y + j) / CELL) + HALF_SIZE]:
+        if not passable[cell_number(x + i, y + j)]:
             return False
     return True
 
