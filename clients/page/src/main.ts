@@ -141,7 +141,7 @@ clock.status.watch((status) => {
   if (status.paused) world.catchUp(status.simTimeNs).catch(reportError);
   recording.playing = !status.paused && !status.frozen;
   const stands = !recording.playing;
-  if (stands && !stood) void recording.refresh().then(() => recording.refill());
+  if (stands && !stood) void recording.refresh();
   stood = stands;
   if (status.paused || status.realTimeFactor === 0) return;
   world.adaptTo(status.realTimeFactor).catch(reportError);

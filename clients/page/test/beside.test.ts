@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 import { apartInWords, BesideBodies, whereTheyPart, type BesideReport } from "../src/model/beside";
-import type { PartDescription } from "../src/link/messages";
+import type { PartDescription, PartSample } from "../src/link/messages";
 import { Part } from "../src/model/part";
 import { Parts } from "../src/model/parts";
 import { Recording } from "../src/model/recording";
@@ -71,6 +71,8 @@ test("a plot gets both recordings while they stand, and B's ahead of A while the
   await settled();
   assert.deepEqual(asked, ["/recording/ports/0/3/10000", "/recording/beside/ports/0/3/10000"]);
   assert.deepEqual(part.besides()!.all([0]), { times: [0.001, 0.002], values: [[5, 6]] });
+  part.take({ controllerInputs: [1], sensorOutputs: [], conflated: 0n, simTimeNs: 2_000_000n, era: -1n } as unknown as PartSample); // late
+  assert.deepEqual(part.recordings()!.all([0]).times, [0.001, 0.002, 0.003]);
   recording.playing = true;
   await recording.refresh();
   assert.deepEqual(asked.slice(2), ["/recording/beside/ports/0/5003/5000"], "what comes after that");

@@ -54,6 +54,22 @@ test("sensor outputs are not written, nor inputs in their place", async () => {
   assert.deepEqual(writes(), []);
 });
 
+test("what was recorded goes with another era, and with another server", () => {
+  const part = new Part(server().link, kDescription);
+  part.record([part.port("Angle")!]);
+  const take = (seconds: number, era: bigint) => {
+    part.take({ ...sampleOf(0, 0, 0, 0), simTimeNs: BigInt(seconds * 1e9), era });
+    return part.recordings()!.all([0]).times;
+  };
+  assert.deepEqual([take(1, 1n), take(2, 1n)], [[1], [1, 2]]);
+  assert.deepEqual(take(1, 1n), [1, 2], "late");
+  part.forgetSubscription();
+  assert.deepEqual(take(3, 1n), [1, 2, 3], "the same server");
+  part.forgetSubscription();
+  assert.deepEqual(take(1, 1n), [1], "another one");
+  assert.deepEqual(take(0, 2n), [0], "a reset");
+});
+
 test("held neighbours that others moved are put back in one message, once", async () => {
   const { part, writes } = await leased([[2, 0.02], [3, 5], [1, 0.02]]);
   part.take(sampleOf(0, 0, 0.02, 5));

@@ -10,10 +10,15 @@ mock.method(globalThis, "setInterval", () => 0); // nothing is asked again and a
 
 const kReport = { file: "f", ticks: 9, tick_ns: 1e6, position: 3, compared: 0, equal: true, damage: "" };
 
-// A recording of one part, one port of which is plotted; `asked`: what was read of the file.
-async function plotted() {
+// A recording of one part, one port of which is plotted; `asked`: what was read of the file. `meanwhile` runs
+// before the answer.
+async function plotted(meanwhile = (): unknown => undefined) {
   const asked: string[] = [];
-  mock.method(globalThis, "fetch", async (url: string) => void asked.push(url));
+  mock.method(globalThis, "fetch", async (url: string) => {
+    asked.push(url);
+    meanwhile();
+    return { ok: true, arrayBuffer: async () => new ArrayBuffer(0) };
+  });
   const { link } = server((request) => (request.case === "readBlackboard" ? { data: new TextEncoder().encode(JSON.stringify(kReport)) } : {}));
   Object.assign(link, { recorded: { value: false }, headers: {} });
   const parts = new Parts(link);
@@ -42,6 +47,16 @@ test("while a recording plays, nothing is read of what was", async () => {
   await settled();
   assert.deepEqual(asked, []);
   recording.playing = false;
-  await recording.refill();
+  await recording.refresh();
   assert.equal(asked.length, 1);
+});
+
+test("plots that an answer came too late for are filled at the next look, and once", async () => {
+  const { asked, parts, recording } = await plotted(() => (recording.position.value = asked.length === 1 ? 2 : 3));
+  await parts.plotted();
+  await settled();
+  assert.deepEqual(asked, ["/recording/ports/0/3/10000"]);
+  await recording.refresh();
+  await recording.refresh();
+  assert.deepEqual(asked.slice(1), ["/recording/ports/0/3/10000"]);
 });

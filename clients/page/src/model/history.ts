@@ -66,11 +66,10 @@ export class History {
     this.channels[channel] = new Channel(this.capacity);
   }
 
-  // Times must grow. A time that does not grow begins a new history, as after a reset. `afterGap`: samples
-  // were lost between the last one and this one.
+  // Times must grow; a sample of a time that is there, or before it, is dropped. `afterGap`: samples were lost
+  // between the last one and this one.
   add(time: number, value: (channel: number) => number, afterGap = false): void {
-    if (time < this.lastTime) this.clear();
-    if (time === this.lastTime) return;
+    if (time <= this.lastTime) return;
     const slot = this.written % this.capacity;
     this.times[slot] = time;
     this.gaps[slot] = this.written === 0 ? 0 : this.gaps[(this.written - 1) % this.capacity]! + (afterGap ? 1 : 0);

@@ -131,7 +131,8 @@ export class Part {
 
   take(sample: PartSample): void {
     this.sample = sample;
-    const lost = this.reconnected || Number(sample.conflated) > this.conflated;
+    const again = this.reconnected;
+    const lost = again || Number(sample.conflated) > this.conflated;
     this.reconnected = false;
     this.conflated = Number(sample.conflated);
     const time = Number(sample.simTimeNs) / kNsPerS;
@@ -140,7 +141,7 @@ export class Part {
       this.era = sample.era;
       this.written.clear();
       if (time !== this.history?.lastTime) this.history?.clear(); // else refill() has filled it up to here
-    }
+    } else if (again && this.history && time < this.history.lastTime) this.history.clear(); // another server
     const recorded = this.recorded;
     this.history?.add(time, (channel) => {
       const port = recorded[channel]!;

@@ -42,6 +42,8 @@ export class Recording {
   private looking = false; // for B's bodies
   private lookAgain = false;
   private jumps = 0;
+  private refills = 0;
+  private refilledTo = -1; // the position up to which the plots were filled
   private filled = new Map<Part, number>(); // up to which position a part has B's values
 
   constructor(private readonly link: Link, private readonly parts: Parts) {
@@ -69,17 +71,22 @@ export class Recording {
     return this.jumping;
   }
 
-  // Fills the plots with what was recorded before this position. It does nothing while the position moves on:
-  // the answer would be for a position in the past.
-  async refill(): Promise<void> {
+  // Fills the plots with what was recorded before this position, A's and B's values at once. An answer for a
+  // position in the past is dropped, and the next refresh() asks again.
+  private async refill(): Promise<void> {
+    this.refilledTo = -1;
     if (this.report.value === null || this.playing) return;
-    const to = this.position.value;
+    const [to, beside] = [this.position.value, this.hasBeside];
+    const refills = ++this.refills;
     for (const [number, part] of this.parts.list.value.entries()) {
       if (!part.isPlotted) continue;
-      const rows = await this.rows(`ports/${number}/${to}/${kPlottedTicks}`);
-      if (rows && this.position.value === to) part.refill(rows);
-      if (this.hasBeside) await this.fillBeside(number, part, to, kPlottedTicks, true, () => this.position.value === to && !this.playing);
+      const stretch = `ports/${number}/${to}/${kPlottedTicks}`;
+      const [rows, ofB] = await Promise.all([this.rows(stretch), beside ? this.rows(`beside/${stretch}`) : new Float64Array()]);
+      if (!rows || !ofB || this.refills !== refills || this.position.value !== to || this.playing) return;
+      part.refill(rows);
+      if (beside) this.fillBeside(part, ofB, to, true);
     }
+    this.refilledTo = to;
   }
 
   private get hasBeside(): boolean {
@@ -91,10 +98,8 @@ export class Recording {
     return answer?.ok ? new Float64Array(await answer.arrayBuffer()) : null;
   }
 
-  // Fetches B's values of the last `count` ticks up to `to`. `anew`: in place of those that the part has.
-  private async fillBeside(number: number, part: Part, to: number, count: number, anew: boolean, stillWanted: () => boolean): Promise<void> {
-    const rows = await this.rows(`beside/ports/${number}/${to}/${count}`);
-    if (!rows || !stillWanted()) return;
+  // `rows`: B's values up to `to`. `anew`: in place of those that the part has.
+  private fillBeside(part: Part, rows: Float64Array, to: number, anew: boolean): void {
     part.refillBeside(rows, anew);
     this.filled.set(part, to);
   }
@@ -108,7 +113,8 @@ export class Recording {
       if (filled >= Math.min(ticks, position + kAheadTicks / 2)) continue;
       const to = Math.min(ticks, position + kAheadTicks);
       const anew = filled < position; // nothing, or not enough to go on from
-      await this.fillBeside(number, part, to, anew ? kPlottedTicks : to - filled, anew, () => this.jumps === jumps && this.playing);
+      const rows = await this.rows(`beside/ports/${number}/${to}/${anew ? kPlottedTicks : to - filled}`);
+      if (rows && this.jumps === jumps && this.playing) this.fillBeside(part, rows, to, anew);
     }
   }
 
@@ -159,8 +165,8 @@ export class Recording {
     this.report.value = report;
     this.parts.beside.value = report.beside?.file ?? "";
     if (!this.jumping) this.position.value = report.position;
-    if (!this.hasBeside) return;
-    if (this.playing) await this.fillAhead();
-    if (this.bodies.position !== this.position.value) await this.look();
+    if (this.playing && this.hasBeside) await this.fillAhead();
+    if (!this.playing && this.refilledTo !== this.position.value) await this.refill();
+    if (this.hasBeside && this.bodies.position !== this.position.value) await this.look();
   }
 }
