@@ -275,10 +275,10 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   }
   // An axis that closes a loop is a motion between two bodies of the tree.
   const Mechanism& mechanism = plant_.mechanisms[axis.mechanism];
-  const JointSpec& joint = *axis.spec;
-  const JointPose& pose = mechanism.loop_pose(static_cast<std::size_t>(axis.loop));
-  const AxisDirection along = axis_direction(joint, pose);
-  const PathMotion line = line_at(mechanism, plant_.bodies, joint.a, joint.b, pose.pb, along.w, along.v);
+  const auto loop = static_cast<std::size_t>(axis.loop);
+  const JointPose& pose = mechanism.loop_pose(loop);
+  const AxisDirection along = axis_direction(*axis.spec, pose);
+  const PathMotion line = line_at(mechanism.loop_ends(loop), plant_.bodies, pose.pb, along.w, along.v);
   rows.rows.push_back({.line = line, .without_loops = mechanism.free_response(line, plant_.bodies)});
 }
 

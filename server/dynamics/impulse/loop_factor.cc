@@ -6,12 +6,6 @@
 #include <utility>
 
 namespace visum::dynamics::impulse {
-namespace {
-
-// Rows whose remaining share is smaller follow from the others.
-constexpr double kDependent = 1e-10;
-
-}  // namespace
 
 void LoopFactor::clear() {
   blocks_.clear();

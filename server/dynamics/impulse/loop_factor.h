@@ -15,6 +15,9 @@ namespace visum::dynamics::impulse {
 // does not fail: rows that cannot be solved for are left out.
 class LoopFactor {
  public:
+  // Rows whose remaining share is smaller follow from the others.
+  static constexpr double kDependent = 1e-10;
+
   void clear();  // keeps the memory
   // Begins the next block, whose rows' first entries are in column `first`, the first column of a block.
   void add_block(std::size_t first);

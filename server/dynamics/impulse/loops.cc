@@ -1,8 +1,9 @@
-// Closed loops on a spanning tree: G T^-1 G^T mu = e. T^-1 is the tree's response, G the rows that the loops
-// hold, and e what the loops still miss after the tree alone has answered. After Baraff, Linear-time dynamics
-// using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two loops have a common entry
-// only if they share a part of the tree, where a part is what hangs together without the ground. In a row of
-// four-bars each loop has an entry with the next one only, and the cost grows with their number.
+// Closed loops on a spanning tree: G T^-1 G^T mu = e. T^-1 is the tree's response (tree_response.cc), G the
+// rows that the loops hold, and e what the loops still miss after the tree alone has answered. After Baraff,
+// Linear-time dynamics using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two loops
+// have a common entry only if they share a part of the tree, where a part is what hangs together without the
+// ground. In a row of four-bars each loop has an entry with the next one only, and the cost grows with their
+// number.
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
@@ -12,21 +13,22 @@ constexpr double kNearlySingular =
     3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
 
 constexpr std::uint64_t kMostLoopRows = 6;  // that one joint holds
+constexpr std::uint64_t kMostBundles = 2;   // of these
 
 }  // namespace
 
 // At each end: the torque about the centre of mass, and the force; A gets the opposite.
-PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
-                   const Vector3d& p, const Vector3d& w, const Vector3d& v) {
+PathMotion line_at(const PathEnds& ends, const Bodies& bodies, const Vector3d& p, const Vector3d& w,
+                   const Vector3d& v) {
   PathMotion line;
-  if (body_a >= 0) {
-    line.node_a = mechanism.node_of(body_a);
-    line.angular_a = -w - (p - bodies.x[static_cast<std::size_t>(body_a)]).cross(v);
+  line.node_a = ends.node_a;
+  line.node_b = ends.node_b;
+  if (ends.node_a >= 0) {
+    line.angular_a = -w - (p - bodies.x[static_cast<std::size_t>(ends.body_a)]).cross(v);
     line.linear_a = -v;
   }
-  if (body_b >= 0) {
-    line.node_b = mechanism.node_of(body_b);
-    line.angular_b = w + (p - bodies.x[static_cast<std::size_t>(body_b)]).cross(v);
+  if (ends.node_b >= 0) {
+    line.angular_b = w + (p - bodies.x[static_cast<std::size_t>(ends.body_b)]).cross(v);
     line.linear_b = v;
   }
   return line;
@@ -52,18 +54,19 @@ double Mechanism::rate(const PathMotion& line) const {
   return sum;
 }
 
-std::array<int, 2> Mechanism::parts(const JointSpec& loop) const {
-  const auto part = [&](int body) {
-    return body < 0 ? -1 : tree_.part(static_cast<std::size_t>(node_of(body)));
-  };
-  return {part(loop.a), part(loop.b)};
+std::array<int, 2> Mechanism::parts(const PathEnds& ends) const {
+  const auto part = [&](int node) { return node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node)); };
+  return {part(ends.node_a), part(ends.node_b)};
 }
 
 void Mechanism::find_loop_neighbours() {
   first_neighbour_.resize(loops_.size());
-  first_loop_row_.resize(loops_.size());
+  first_loop_row_.resize(loops_.size() + 1);
+  first_solved_.resize(loops_.size());
+  first_bundle_.resize(loops_.size());
   for (std::size_t i = 0; i < loops_.size(); ++i) {
-    loop_parts_.push_back(parts(loops_[i]));
+    loop_ends_.push_back({loops_[i].a, loops_[i].b, node_of(loops_[i].a), node_of(loops_[i].b)});
+    loop_parts_.push_back(parts(loop_ends_[i]));
     const auto share = [&](std::size_t j) {
       for (const int part : loop_parts_[i])
         if (part >= 0 && (part == loop_parts_[j][0] || part == loop_parts_[j][1])) return true;
@@ -75,21 +78,23 @@ void Mechanism::find_loop_neighbours() {
   }
 }
 
-// Each row of a loop is answered by the parts that its loop joins, at most by the whole tree, and is then
-// eliminated by the rows before it, from its first neighbour's on.
+// The rows of a loop are followed through the parts that it joins, at most through the whole tree, and meet
+// those of earlier loops there, from the first neighbour's on. By these they are then eliminated.
 void Mechanism::count_units() {
   std::vector<std::uint64_t> part_size(size(), 0);
   for (std::size_t node = 0; node < size(); ++node) ++part_size[static_cast<std::size_t>(tree_.part(node))];
-  std::uint64_t answers = 0, entries = 0, products = 0;
+  std::uint64_t steps = 0, entries = 0, products = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
+    std::uint64_t way = 0;
     for (const int part : loop_parts_[i])
-      if (part >= 0) answers += kMostLoopRows * part_size[static_cast<std::size_t>(part)];
+      if (part >= 0) way += part_size[static_cast<std::size_t>(part)];
     const std::uint64_t width = kMostLoopRows * (i + 1 - first_neighbour_[i]);
+    steps += kMostBundles * way;
     entries += kMostLoopRows * width;
-    products += kMostLoopRows * width * width;
+    products += kMostLoopRows * width * (way + width);
   }
   pass_units_ = WorkBudget::kPerNode * size() + 2 * entries / WorkBudget::kMultiplications;
-  factor_units_ = WorkBudget::kPerNode * answers + entries + products / WorkBudget::kMultiplications;
+  factor_units_ = WorkBudget::kPerNode * steps + entries + products / WorkBudget::kMultiplications;
 }
 
 double Mechanism::free_response(const PathMotion& line, const Bodies& bodies) const {
@@ -111,45 +116,67 @@ void Mechanism::place_loop_rows(const Bodies& bodies) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
       LoopRow& row = loop_rows_[loop_row_count_++];
       row.loop = i;
-      row.line = line_at(*this, bodies, loops_[i].a, loops_[i].b, loop_poses_[i].pb, held.w[k], held.v[k]);
+      row.line = line_at(loop_ends_[i], bodies, loop_pose(i).pb, held.w[k], held.v[k]);
       row.free_response = free_response(row.line, bodies);
     }
   }
+  first_loop_row_[loops_.size()] = loop_row_count_;
 }
 
-double Mechanism::rate_of_parts(const PathMotion& line, const std::array<int, 2>& parts) const {
-  const auto among = [&](int node) {
-    const int part = node < 0 ? -1 : tree_.part(static_cast<std::size_t>(node));
-    return part >= 0 && (part == parts[0] || part == parts[1]);
-  };
-  // Bodies of other parts keep old answers, which must not count.
-  PathMotion there = line;
-  if (!among(line.node_a)) there.node_a = -1;
-  if (!among(line.node_b)) there.node_b = -1;
-  return rate(there);
+// The ways of a loop's rows, four at a time. Rows that the tree cannot move at all, as those across the plane
+// of a four-bar, are left out at once: LoopFactor would do so, too.
+void Mechanism::trace_loop(std::size_t i) {
+  first_bundle_[i] = bundles_.size();
+  const std::size_t end = first_loop_row_[i + 1];
+  for (std::size_t row = first_loop_row_[i]; row < end;) {
+    std::array<TreePush, Tree::kMostTogether> a, b;
+    std::size_t count = 0;
+    for (; count < Tree::kMostTogether && row < end; ++row, ++count) {
+      const PathMotion& line = loop_rows_[row].line;
+      a[count] = tree_.push_at(line.node_a, line.angular_a, line.linear_a);
+      b[count] = tree_.push_at(line.node_b, line.angular_b, line.linear_b);
+    }
+    Bundle bundle{.way = loop_ways_.size(), .first = solved_rows_.size()};
+    tree_.trace(std::span(a).first(count), std::span(b).first(count), loop_ways_);
+    bundle.places = loop_ways_.size() - bundle.way;
+    const Eigen::Matrix4d W = response(bundle, bundle);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const LoopRow& of = loop_rows_[row - count + lane];
+      if (!(W(static_cast<int>(lane), static_cast<int>(lane)) > LoopFactor::kDependent * of.free_response)) continue;
+      bundle.lanes[bundle.rows++] = static_cast<int>(lane);
+      solved_rows_.push_back(row - count + lane);
+      loop_factor_.add_row(of.free_response);
+    }
+    if (bundle.rows == 0) continue;
+    bundles_.push_back(bundle);
+    enter(bundle, bundle, W);
+  }
 }
 
-// Response of a row to itself and to the rows before it. An impulse on it moves only the parts that its loop
-// joins.
-void Mechanism::find_response(std::size_t i, const std::array<int, 2>& parts) {
-  // Both parts are pushed, then each is solved once.
-  const bool two = parts[1] != parts[0];
-  for (const int part : parts)
-    if (part >= 0) tree_.clear_part(part);
-  push(loop_rows_[i].line, 1.0);
-  if (parts[0] >= 0) tree_.solve_part(parts[0]);
-  if (parts[1] >= 0 && two) tree_.solve_part(parts[1]);
-  for (std::size_t j = first_loop_row_[first_neighbour_[loop_rows_[i].loop]]; j <= i; ++j)
-    loop_factor_.at(i, j) = rate_of_parts(loop_rows_[j].line, parts);
+Eigen::Matrix4d Mechanism::response(const Bundle& a, const Bundle& b) const {
+  const std::span<const Tree::WayPoint> ways(loop_ways_);
+  return Tree::response(ways.subspan(a.way, a.places), ways.subspan(b.way, b.places));
+}
+
+// `b` comes no later than `a`.
+void Mechanism::enter(const Bundle& a, const Bundle& b, const Eigen::Matrix4d& W) {
+  for (std::size_t i = 0; i < a.rows; ++i)
+    for (std::size_t j = 0; j < b.rows && b.first + j <= a.first + i; ++j)
+      loop_factor_.at(a.first + i, b.first + j) = W(a.lanes[i], b.lanes[j]);
 }
 
 void Mechanism::factor_loops() {
   loop_factor_.clear();
-  for (std::size_t i = 0; i < loop_row_count_; ++i) {
-    const LoopRow& row = loop_rows_[i];
-    if (i == first_loop_row_[row.loop]) loop_factor_.add_block(first_loop_row_[first_neighbour_[row.loop]]);
-    loop_factor_.add_row(row.free_response);
-    find_response(i, loop_parts_[row.loop]);
+  loop_ways_.clear();
+  bundles_.clear();
+  solved_rows_.clear();
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    first_solved_[i] = solved_rows_.size();
+    loop_factor_.add_block(first_solved_[first_neighbour_[i]]);
+    trace_loop(i);
+    for (std::size_t a = first_bundle_[i]; a < bundles_.size(); ++a)
+      for (std::size_t b = first_bundle_[first_neighbour_[i]]; b < a; ++b)
+        enter(bundles_[a], bundles_[b], response(bundles_[a], bundles_[b]));
   }
   loop_factor_.factor();
 }
@@ -161,11 +188,13 @@ bool Mechanism::is_nearly_singular() const {
 void Mechanism::solve() {
   // The tree answers alone; the loops then add what is still missing, and the tree answers again.
   tree_.solve();
-  if (loop_row_count_ == 0) return;
-  for (std::size_t i = 0; i < loop_row_count_; ++i)
-    loop_errors_[i] = loop_rows_[i].wanted - rate(loop_rows_[i].line);
+  if (solved_rows_.empty()) return;
+  for (std::size_t i = 0; i < solved_rows_.size(); ++i) {
+    const LoopRow& row = loop_rows_[solved_rows_[i]];
+    loop_errors_[i] = row.wanted - rate(row.line);
+  }
   loop_factor_.solve(loop_errors_);
-  for (std::size_t i = 0; i < loop_row_count_; ++i) push(loop_rows_[i].line, loop_errors_[i]);
+  for (std::size_t i = 0; i < solved_rows_.size(); ++i) push(loop_rows_[solved_rows_[i]].line, loop_errors_[i]);
   tree_.solve();
 }
 

@@ -66,12 +66,10 @@ Mechanism::Mechanism(const world::WorldModel& model, const Bodies& bodies, std::
                      .mass = bodies.constants[static_cast<std::size_t>(spec.b)].mass});
     specs_.push_back(spec);
   }
-  poses_.resize(nodes.size());
-  poses_ahead_.resize(nodes.size());
+  poses_.resize(nodes.size() + loops_.size());
+  poses_ahead_.resize(poses_.size());
   motions_.resize(nodes.size());
   axes_.resize(nodes.size());
-  loop_poses_.resize(loops_.size());
-  loop_poses_ahead_.resize(loops_.size());
   loop_held_.resize(loops_.size());
   loop_rows_.resize(6 * loops_.size());
   loop_errors_.resize(6 * loops_.size());
@@ -107,22 +105,26 @@ void Mechanism::find_blocks(const Bodies& bodies) {
     poses_[i] = pose_now(specs_[i], bodies, 0.0);
     poses_ahead_[i] = impulse::pose_ahead(specs_[i], bodies, {}, 0.0);
     motions_[i] = motion_directions(specs_[i], poses_[i]);
-    JointEnds& ends = ends_.emplace_back();
-    const int a = specs_[i].a, b = specs_[i].b;
-    // Offsets are counted in doubles, as kernels want them.
-    ends.pose = static_cast<long>(i) * kNumbers<JointPose>;
-    ends.impulse = static_cast<long>(i) * kNumbers<JointImpulse>;
-    ends.vector_b = 3L * b;
-    ends.matrix_b = 9L * b;
-    ends.inverse_mass_b = bodies.constants[static_cast<std::size_t>(b)].inverse_mass;
-    ends.has_a = a >= 0;
-    if (!ends.has_a) continue;
-    ends.vector_a = 3L * a;
-    ends.matrix_a = 9L * a;
-    ends.inverse_mass_a = bodies.constants[static_cast<std::size_t>(a)].inverse_mass;
+    add_ends(specs_[i], i, bodies);
   }
+  for (std::size_t i = 0; i < loops_.size(); ++i) add_ends(loops_[i], size() + i, bodies);
   hinges_ = joint_blocks(hinge_nodes, bodies);
   others_ = joint_blocks(other_nodes_, bodies);
+}
+
+// Offsets are counted in doubles, as kernels want them.
+void Mechanism::add_ends(const JointSpec& spec, std::size_t place, const Bodies& bodies) {
+  JointEnds& ends = ends_.emplace_back();
+  ends.pose = static_cast<long>(place) * kNumbers<JointPose>;
+  ends.impulse = static_cast<long>(place) * kNumbers<JointImpulse>;
+  ends.vector_b = 3L * spec.b;
+  ends.matrix_b = 9L * spec.b;
+  ends.inverse_mass_b = bodies.constants[static_cast<std::size_t>(spec.b)].inverse_mass;
+  ends.has_a = spec.a >= 0;
+  if (!ends.has_a) return;
+  ends.vector_a = 3L * spec.a;
+  ends.matrix_a = 9L * spec.a;
+  ends.inverse_mass_a = bodies.constants[static_cast<std::size_t>(spec.a)].inverse_mass;
 }
 
 std::vector<JointBlock> Mechanism::joint_blocks(const std::vector<std::size_t>& nodes,
@@ -179,8 +181,9 @@ bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
   }
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     if (stands && is_of_bodies_alone(loops_[i])) continue;
-    loop_poses_[i] = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
-    loop_held_[i] = held_directions(loops_[i], loop_poses_[i]);
+    JointPose& pose = poses_[size() + i];
+    pose = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
+    loop_held_[i] = held_directions(loops_[i], pose);
   }
   axes_changed_ = false;
   placed_at_ = bodies.placements();
@@ -214,8 +217,9 @@ double Mechanism::ask_gaps(const Bodies& bodies, const world::WorldState& state,
   // Loops: the directions that they hold are those at t.
   std::size_t row = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
-    loop_poses_ahead_[i] = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
-    const Gap gap = joint_gap(loops_[i], loop_poses_ahead_[i]);
+    JointPose& pose = poses_ahead_[size() + i];
+    pose = impulse::pose_ahead(loops_[i], bodies, state.joints[loops_[i].id.index()], h);
+    const Gap gap = joint_gap(loops_[i], pose);
     largest = larger(gap_size(gap), largest);
     const Held& held = loop_held_[i];
     for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k)
@@ -236,7 +240,7 @@ const JointSpec* Mechanism::worst_joint() const {
   };
   for (std::size_t i = 0; i < size(); ++i)
     if (carrying(i) != nullptr) look(specs_[i], poses_ahead_[i]);
-  for (std::size_t i = 0; i < loops_.size(); ++i) look(loops_[i], loop_poses_ahead_[i]);
+  for (std::size_t i = 0; i < loops_.size(); ++i) look(loops_[i], loop_pose_ahead(i));
   return worst;
 }
 

@@ -21,6 +21,11 @@ struct PathMotion {
   Vector3d angular_b = Vector3d::Zero(), linear_b = Vector3d::Zero();
 };
 
+// Two bodies of a mechanism by their numbers, -1: it does not move; and their nodes, -1: not in the mechanism.
+struct PathEnds {
+  int body_a = -1, body_b = -1, node_a = -1, node_b = -1;
+};
+
 // Order of calls in a step: place(), factor(), then clear(), requests (ask..., push), solve(), answers (rate,
 // apply) any number of times. Plant owns it; it is used on the tick's thread. It does not fail: near a
 // singular pose a loop's rows that explain each other are left out.
@@ -40,8 +45,9 @@ class Mechanism {
     return tree_.node(node).joint < 0 ? nullptr : &specs_[node];
   }
   const JointSpec& loop(std::size_t i) const { return loops_[i]; }
+  const PathEnds& loop_ends(std::size_t i) const { return loop_ends_[i]; }
   const JointPose& pose(std::size_t node) const { return poses_[node]; }
-  const JointPose& loop_pose(std::size_t i) const { return loop_poses_[i]; }
+  const JointPose& loop_pose(std::size_t i) const { return poses_[size() + i]; }
   const Motion& motion(std::size_t node) const { return motions_[node]; }
 
   // Computes poses and directions at t. Returns false, having done nothing, where neither bodies nor axes
@@ -65,7 +71,7 @@ class Mechanism {
   // Returns the largest gap, m or rad; NaN if one is NaN.
   double ask_gaps(const Bodies& bodies, const world::WorldState& state, double h);
   const JointPose& pose_ahead(std::size_t node) const { return poses_ahead_[node]; }
-  const JointPose& loop_pose_ahead(std::size_t i) const { return loop_poses_ahead_[i]; }
+  const JointPose& loop_pose_ahead(std::size_t i) const { return poses_ahead_[size() + i]; }
   // Asks for what makes the joints' velocities agree.
   void ask_velocities(const Bodies& bodies);
   // The joint with the largest gap in those poses; null where there are no joints.
@@ -88,13 +94,12 @@ class Mechanism {
                        const Bodies& bodies) const;          // to itself, as if nothing were jointed
   void apply(Bodies& bodies) const { tree_.apply(bodies); }  // adds the answer to the bodies' velocities
 
-  // The prediction of what the joints will give at t (predicting.cc). Only after start_predicting(), and only
-  // for mechanisms without loops.
+  // The prediction of what the joints will give at t (predicting.cc). Only after start_predicting().
   void start_predicting(const Bodies& bodies);
   bool predicts() const { return !prediction_.empty(); }
   // Without predictions: notes what the joints give at t, so that is_too_taut() knows (only without loops).
   void start_noting(const Bodies& bodies);
-  bool notes() const { return !tautness_.empty(); }
+  bool notes() const { return predicts() || !noted_.empty(); }
   // Starts a step of length h, or starts it again.
   void begin_step(double h);
   Prediction& prediction() { return prediction_; }
@@ -137,39 +142,53 @@ class Mechanism {
   void place_loop_rows(const Bodies& bodies);
   // Makes and factors G T^-1 G^T (loops.cc).
   void factor_loops();
-  // Response of a loop's row to itself and to the rows before it.
-  void find_response(std::size_t row, const std::array<int, 2>& parts);
+  // Rows of a loop whose ways through the tree are followed together, as far as they are solved for.
+  struct Bundle {
+    std::size_t way = 0, places = 0;  // where the way begins in loop_ways_, and its length
+    std::size_t first = 0, rows = 0;  // in solved_rows_
+    std::array<int, Tree::kMostTogether> lanes{};  // of these rows
+  };
+  void trace_loop(std::size_t loop);
+  Eigen::Matrix4d response(const Bundle& a, const Bundle& b) const;
+  // Fills the loops' system.
+  void enter(const Bundle& a, const Bundle& b, const Eigen::Matrix4d& W);
   // The parts of the tree that a loop joins.
-  std::array<int, 2> parts(const JointSpec& loop) const;
-  // Velocity along a line, counting only bodies of the given parts.
-  double rate_of_parts(const PathMotion& line, const std::array<int, 2>& parts) const;
+  std::array<int, 2> parts(const PathEnds& loop) const;
   // Groups bodies and joints in blocks of four for the kernels.
   void find_blocks(const Bodies& bodies);
   std::vector<JointBlock> joint_blocks(const std::vector<std::size_t>& nodes, const Bodies& bodies) const;
   // Adds an impulse along free direction k of node i to the foreseen ones.
   void add_along(std::size_t i, std::size_t k, double impulse);
+  // Of a loop's foreseen impulse, leaves the share along the directions that its joint holds.
+  void hold_foreseen(std::size_t loop);
+  void apply_and_note(Bodies& bodies, std::span<JointImpulse> given);
+  void add_ends(const JointSpec& spec, std::size_t place, const Bodies& bodies);
 
   Tree tree_;
   std::vector<BodyBlock> blocks_;            // its bodies, by node
   std::vector<JointBlock> hinges_, others_;  // the joints of the tree: hinges, and all other kinds
   std::vector<std::size_t> other_nodes_, free_roots_;
-  // For the kernels: the two bodies of each joint of the tree.
+  // For the kernels: the two bodies of each joint, those of loops behind the others.
   std::vector<JointEnds> ends_;
   std::vector<std::pair<int, int>> node_by_body_;  // body, node: sorted
   std::vector<JointSpec> specs_;                   // by node; unused for a free root
-  std::vector<JointPose> poses_, poses_ahead_;
+  std::vector<JointPose> poses_, poses_ahead_;     // by node, then by loop
   std::vector<Motion> motions_;
   std::vector<JointSpec> loops_;
-  std::vector<JointPose> loop_poses_, loop_poses_ahead_;
   std::vector<Held> loop_held_;
+  std::vector<PathEnds> loop_ends_;
   std::vector<std::array<int, 2>>
       loop_parts_;  // by loop: the parts of the tree that it joins; -1: does not move
   std::vector<std::size_t> first_neighbour_;  // by loop: the first loop that shares a part with it
   std::vector<LoopRow> loop_rows_;
-  std::vector<std::size_t> first_loop_row_;  // by loop
+  std::vector<std::size_t> first_loop_row_;  // by loop, and behind the last one
   std::size_t loop_row_count_ = 0;
+  std::vector<std::size_t> solved_rows_;     // the rows that the loops' system has
+  std::vector<Bundle> bundles_;
+  std::vector<std::size_t> first_solved_, first_bundle_;  // by loop
+  std::vector<Tree::WayPoint> loop_ways_;
   LoopFactor loop_factor_;
-  std::vector<double> loop_errors_;
+  std::vector<double> loop_errors_;  // by solved row: what is missing; after solve() the impulse
   std::uint64_t pass_units_ = 0, factor_units_ = 0;
   Prediction prediction_;
   std::vector<double> foreseen_axis_;
@@ -188,7 +207,7 @@ class Mechanism {
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies);
 
 // The relative motion (w, v) at P between two bodies of a mechanism, as a line.
-PathMotion line_at(const Mechanism& mechanism, const Bodies& bodies, int body_a, int body_b,
-                   const Vector3d& p, const Vector3d& w, const Vector3d& v);
+PathMotion line_at(const PathEnds& ends, const Bodies& bodies, const Vector3d& p, const Vector3d& w,
+                   const Vector3d& v);
 
 }  // namespace visum::dynamics::impulse

@@ -36,9 +36,8 @@ double square_of_swing(const BodyConstants& body, const Motion& free, const Vect
 }  // namespace
 
 void Mechanism::start_predicting(const Bodies& bodies) {
-  if (!loops_.empty()) return;
-  prediction_ = Prediction(size());
-  find_tautness(bodies);
+  prediction_ = Prediction(size() + loops_.size());
+  if (loops_.empty()) find_tautness(bodies);
 }
 
 void Mechanism::start_noting(const Bodies& bodies) {
@@ -68,6 +67,7 @@ void Mechanism::find_tautness(const Bodies& bodies) {
 // The impulse at t is half of what a step takes: F = 2 lambda/h. The sum over all joints is below the bound
 // in most steps, and then no single joint can be above it.
 bool Mechanism::is_too_taut(double h) const {
+  if (tautness_.empty()) return false;  // with loops: not known
   const double most = 0.5 * kMostSwing * kMostSwing / std::abs(h);
   const std::span<const JointImpulse> given = predicts() ? prediction_.ahead() : noted_;
   const auto square = [&](const JointImpulse& one, double tautness) {
@@ -82,7 +82,7 @@ bool Mechanism::is_too_taut(double h) const {
 }
 
 bool Mechanism::predict(const Bodies& bodies) {
-  if (!prediction_.is_ready()) return false;
+  if (!prediction_.is_ready() || is_nearly_singular()) return false;
   // Free roots give nothing. Hinges lose their share about the axis, the other kinds theirs along each free
   // direction.
   for (const std::size_t root : free_roots_) prediction_.foreseen()[root] = {};
@@ -97,7 +97,21 @@ bool Mechanism::predict(const Bodies& bodies) {
       add_along(i, k, -share);
     }
   }
+  for (std::size_t i = 0; i < loops_.size(); ++i) hold_foreseen(i);
   return true;
+}
+
+void Mechanism::hold_foreseen(std::size_t i) {
+  JointImpulse& foreseen = prediction_.foreseen()[size() + i];
+  const JointImpulse f = foreseen;
+  foreseen = {};
+  const Held& held = loop_held_[i];
+  for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
+    const Vector3d &w = held.w[k], &v = held.v[k];
+    const double share = (w.dot(f.w) + v.dot(f.v)) / (w.squaredNorm() + v.squaredNorm());
+    foreseen.w += share * w;
+    foreseen.v += share * v;
+  }
 }
 
 // Adds an impulse on the coordinate of free direction k.
@@ -117,11 +131,20 @@ void Mechanism::give_predicted(Bodies& bodies) {
 
 void Mechanism::apply_ahead(Bodies& bodies) {
   if (!notes()) return apply(bodies);
-  tree_.apply_and_note(bodies, predicts() ? prediction_.ahead() : noted_);
+  apply_and_note(bodies, predicts() ? prediction_.ahead() : noted_);
 }
 
 void Mechanism::apply_after(Bodies& bodies) {
-  predicts() ? tree_.apply_and_note(bodies, prediction_.after()) : apply(bodies);
+  predicts() ? apply_and_note(bodies, prediction_.after()) : apply(bodies);
+}
+
+void Mechanism::apply_and_note(Bodies& bodies, std::span<JointImpulse> given) {
+  tree_.apply_and_note(bodies, given.first(size()));
+  for (std::size_t i = 0; i < solved_rows_.size(); ++i) {
+    const std::size_t loop = loop_rows_[solved_rows_[i]].loop, k = solved_rows_[i] - first_loop_row_[loop];
+    given[size() + loop].w += loop_errors_[i] * loop_held_[loop].w[k];
+    given[size() + loop].v += loop_errors_[i] * loop_held_[loop].v[k];
+  }
 }
 
 double Mechanism::largest_turn(const Bodies& bodies) const {

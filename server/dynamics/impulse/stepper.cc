@@ -390,7 +390,7 @@ void Stepper::note_joints() {
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     Mechanism& mechanism = plant_.mechanisms[m];
     if (!mechanism.predicts() || plant_.mechanism_asleep[m]) continue;
-    if (bounded_.binds(m))
+    if (bounded_.binds(m) || mechanism.is_nearly_singular())
       mechanism.prediction().forget();
     else
       mechanism.prediction().end();

@@ -105,6 +105,8 @@ class Stepper {
   bool follow_answer(std::size_t mechanism, double h);
   // Corrects what the prediction left. False where the prediction is of no use.
   bool close_foreseen(std::size_t mechanism, double h, const world::WorldState& state);
+  // The same for a pass of Newton.
+  double find_gap_of_pass(std::size_t mechanism, double h, const world::WorldState& state, int pass);
   // One pass of Newton over a mechanism. Returns the gap that it found.
   double close(std::size_t mechanism, double h, const world::WorldState& state, int pass);
   // Newton's passes until the gap is small enough. `foreseen`: known impulses have been given already.

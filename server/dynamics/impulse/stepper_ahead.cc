@@ -15,7 +15,7 @@ constexpr double kUntouched = 0.17;   // share of d_max: a smaller gap after the
 constexpr double kFar = 1e-3;         // m, rad: beyond such a gap the prediction is of no use
 constexpr double kApart = 3e-5;       // m, rad: a joint farther apart is broken, if shorter steps do not help
 constexpr int kGentlePasses = 5;      // passes in which contacts take part
-constexpr double kRounding = 4.0;     // share of d_max: a gap of rounding, which is let be
+constexpr double kRounding = 2.0;     // share of d_max: a gap of rounding, which is let be
 constexpr double kStandstill = 1e-9;  // m, rad: a smaller gap that no longer shrinks is rounding
 
 }  // namespace
@@ -89,9 +89,11 @@ void Stepper::nudge(std::size_t m, double h) {
     axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
 }
 
-// An axis that closes a loop is not in the tree's answer, so mechanisms with loops fly again.
+// An axis that closes a loop is not in the tree's answer, so mechanisms with such an axis fly again.
 bool Stepper::follow_answer(std::size_t m, double h) {
-  if (plant_.mechanisms[m].loop_count() > 0) return false;
+  if (plant_.mechanisms[m].is_nearly_singular()) return false;
+  for (const Axis& axis : plant_.acting_axes_of(m))
+    if (axis.node < 0) return false;
   double& left = left_[m];
   left += left_by_answer(m, h);
   if (!(left <= d_max(m))) return false;
@@ -99,11 +101,15 @@ bool Stepper::follow_answer(std::size_t m, double h) {
   return true;
 }
 
-// One pass of Newton over a mechanism's joints. The first pass includes the drives' known impulses. Returns
-// the gap that it found; below d_max it does nothing.
+// The first pass includes the drives' known impulses.
+double Stepper::find_gap_of_pass(std::size_t m, double h, const world::WorldState& state, int pass) {
+  const double largest = find_gap(m, h, state, 1.0);
+  return pass == 0 && push_known(m, kAhead, h) ? std::max(largest, kPushed) : largest;
+}
+
+// One pass of Newton over a mechanism's joints. Returns the gap that it found; below d_max it does nothing.
 double Stepper::close(std::size_t m, double h, const world::WorldState& state, int pass) {
-  double largest = find_gap(m, h, state, 1.0);
-  if (pass == 0 && push_known(m, kAhead, h)) largest = std::max(largest, kPushed);
+  const double largest = find_gap_of_pass(m, h, state, pass);
   if (!(largest <= d_max(m))) give_answer(m, kAhead);
   return largest;
 }
@@ -114,7 +120,7 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
   const bool may_cut = divisible_ && plant_.mechanisms[m].loop_count() > 0;
   double last = 0.0;
   for (int pass = foreseen ? 1 : 0; pass < bounds_.most_passes; ++pass) {
-    const double gap = close(m, h, state, pass);
+    const double gap = find_gap_of_pass(m, h, state, pass);
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
     // A tiny gap that no longer shrinks is rounding. It is accepted, unless shorter steps may still help a
@@ -122,9 +128,9 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
     if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
       if (may_cut && gap > kRounding * d_max(m)) return false;
       fell_short_ = true;
-      fly(m, h);
       return true;
     }
+    give_answer(m, kAhead);
     last = gap;
   }
   return false;

@@ -15,6 +15,8 @@ void Tree::assign(std::vector<TreeNode> nodes) {
   asked_.assign(rows_.size(), {});
   answers_.assign(rows_.size(), {});
   loads_.assign(rows_.size(), {});
+  way_.resize(rows_.size());
+  on_way_.assign(places() * kMostTogether, 0.0);
 }
 
 void Tree::add_rows(std::size_t i) {
@@ -22,9 +24,9 @@ void Tree::add_rows(std::size_t i) {
   TreeRow row;
   row.node = static_cast<int>(i);
   row.parent = node.parent < 0 ? -1 : static_cast<int>(row_of_[static_cast<std::size_t>(node.parent)]);
-  row.root = node.joint < 0;
+  row.root = node.joint < 0 ? static_cast<int>(roots_.size()) : -1;
   row.alone = node.freedoms == 1;
-  if (row.root) roots_.emplace_back().row = rows_.size();
+  if (row.root >= 0) roots_.emplace_back().row = rows_.size();
   // All free directions but the last have a row without a body; the last row carries the body.
   for (int axis = 0; axis + 1 < node.freedoms; ++axis) {
     row.axis = axis;
@@ -43,7 +45,7 @@ void Tree::find_ways() {
     TreeRow& row = rows_[i];
     // From the last row to the first: a row that follows its parent directly passes its load on in a
     // register. Otherwise the load goes to a sum in memory.
-    row.sums = row.root || row.collects;
+    row.sums = row.root >= 0 || row.collects;
     row.tip = i + 1 == rows_.size() || rows_[i + 1].way != TreeRow::kOn;
     if (row.parent < 0) continue;
     TreeRow& up = rows_[static_cast<std::size_t>(row.parent)];
@@ -56,26 +58,12 @@ void Tree::find_ways() {
   }
 }
 
+// A node without a parent begins a part.
 void Tree::find_parts() {
-  parts_.clear();
   part_of_.clear();
-  // A node without a parent begins a part.
-  for (const TreeNode& node : nodes_) {
-    part_of_.push_back(node.parent < 0 ? static_cast<int>(parts_.size())
-                                       : part_of_[static_cast<std::size_t>(node.parent)]);
-    if (node.parent < 0) parts_.emplace_back();
-  }
-  // The part's rows, in runs without gaps.
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    std::vector<Run>& runs =
-        parts_[static_cast<std::size_t>(part_of_[static_cast<std::size_t>(rows_[i].node)])].runs;
-    if (runs.empty() || runs.back().end != i) runs.push_back({i, i});
-    runs.back().end = i + 1;
-  }
-  for (std::size_t k = 0; k < roots_.size(); ++k) {
-    const auto node = static_cast<std::size_t>(rows_[roots_[k].row].node);
-    parts_[static_cast<std::size_t>(part_of_[node])].root = static_cast<int>(k);
-  }
+  int parts = 0;
+  for (const TreeNode& node : nodes_)
+    part_of_.push_back(node.parent < 0 ? parts++ : part_of_[static_cast<std::size_t>(node.parent)]);
 }
 
 }  // namespace visum::dynamics::impulse

@@ -55,7 +55,6 @@ class Tree {
 
   // The requests, by node; all zero after clear(). ask(): relative velocity (rad/s, m/s); push: impulses.
   void clear();
-  void clear_part(int part);
   void ask(std::size_t i, const Vector3d& beta, const Vector3d& alpha) {
     TreeAsked& asked = asked_[row_of_[i]];
     Eigen::Map<Vector3d>(asked.beta) = beta;
@@ -76,13 +75,11 @@ class Tree {
   }
 
   void solve();
-  void solve_part(int part);  // solves one part; the answers of other parts stay as they are
 
-  // The response of unit impulses to each other (tree_response.cc), for a tree with at most one free root.
-  // Order of calls, any time after factor(): begin_traces() with the number of impulses, trace() for all of
-  // them, find_response(). `W`: as many rows and columns as there are impulses. An impulse has one or two
-  // ends, each made by push_at() (node -1: does not move) or push_on_axis(). trace() takes up to four
-  // impulses whose ends are on the same nodes.
+  // The response of unit impulses to each other (tree_response.cc). Order of calls, any time after factor():
+  // begin_traces() with the number of impulses, trace() for all of them, find_response(). `W`: as many rows
+  // and columns as there are impulses. An impulse has one or two ends, each made by push_at() (node -1: does
+  // not move) or push_on_axis(). trace() takes up to four impulses whose ends are on the same nodes.
   TreePush push_at(int node, const Vector3d& angular, const Vector3d& linear) const;
   TreePush push_on_axis(std::size_t node) const;
   void begin_traces(std::size_t count);
@@ -90,6 +87,18 @@ class Tree {
   void trace(std::span<const TreePush> a, std::span<const TreePush> b);
   std::size_t step_count() const { return step_count_; }  // axes on all ways to the root
   void find_response(double* W);
+
+  // The same where few impulses have to do with each other: each way is kept by itself.
+  // What up to four impulses give to one axis on their way, or to one coordinate of a free root, and what it
+  // does then. `place`: a row; behind the rows, six for each root.
+  struct WayPoint {
+    std::size_t place = 0;
+    Eigen::Vector4d given, answer;
+  };
+  // Appends the way of up to four impulses, from the last place to the first.
+  void trace(std::span<const TreePush> a, std::span<const TreePush> b, std::vector<WayPoint>& way);
+  // Row i, column j: what the j-th impulse of way b does to the i-th of way a.
+  static Eigen::Matrix4d response(std::span<const WayPoint> a, std::span<const WayPoint> b);
 
   // The answer, by node: changes of velocity of the centre of mass, and of a joint's single axis.
   VectorView dw(std::size_t i) const { return VectorView(answers_[row_of_[i]].w); }
@@ -114,21 +123,12 @@ class Tree {
  private:
   using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-  // The free root of a part, whose six velocities are solved for directly.
+  // A free root, whose six velocities are solved for directly.
   struct Root {
     std::size_t row = 0;
     Eigen::Matrix<double, 6, 6> inverse =
         Eigen::Matrix<double, 6, 6>::Identity();  // of the inertia of all that hangs on it
   };
-  // Rows begin..end-1.
-  struct Run {
-    std::size_t begin = 0, end = 0;
-  };
-  struct Part {
-    std::vector<Run> runs;  // rows of the part, parents first
-    int root = -1;          // index into roots_; -1: none
-  };
-
   // The way of a unit impulse to the root: its rows are some of way_rows_.
   struct Way {
     std::size_t first = 0, count = 0;
@@ -140,7 +140,6 @@ class Tree {
   void add_rows(std::size_t node);
   // Decides for each row where its load goes on the way from the tips to the root (TreeRow::Way).
   void find_ways();
-  // Finds the parts and their rows.
   void find_parts();
   // Inverts a root's inertia, and finds its velocity from its load.
   void factor_root(Root& root);
@@ -150,7 +149,6 @@ class Tree {
   const Kernels* kernels_;
   std::vector<TreeNode> nodes_;
   std::vector<int> part_of_;  // by node
-  std::vector<Part> parts_;
   std::vector<Root> roots_;
   std::vector<std::size_t> row_of_;  // by node: the row of its body
   std::vector<TreeRow> rows_;        // parents first
@@ -159,11 +157,14 @@ class Tree {
   std::vector<TreeAsked> asked_;
   std::vector<TreeAnswer> answers_;
   std::vector<TreeLoad> loads_;
-  // The ways of the impulses whose response is asked for. The matrix has a row for each row of the tree and
-  // six for the root's load, and a column for each impulse: its e there (tree_response.cc).
+  // How many places a way may lead through: the rows, and six for each root's load.
+  std::size_t places() const { return rows_.size() + 6 * roots_.size(); }
+
+  // The ways of the impulses whose response is asked for. The matrix has a row for each place, and a column
+  // for each impulse: its e there (tree_response.cc).
   std::vector<Way> ways_;
   std::vector<std::size_t> way_rows_, way_;  // of all ways; room for one
-  std::vector<double> matrix_;
+  std::vector<double> matrix_, on_way_;      // on_way_: room for four impulses
   std::size_t width_ = 0, step_count_ = 0;  // width_: of the matrix' rows
   std::vector<WayTerm> answers_of_way_;     // to one impulse: of each axis on its way, and of the root
 };

@@ -11,22 +11,8 @@ void Tree::clear() {
   std::memset(static_cast<void*>(asked_.data()), 0, asked_.size() * sizeof(TreeAsked));
 }
 
-void Tree::clear_part(int part) {
-  for (const Run& run : parts_[static_cast<std::size_t>(part)].runs)
-    for (std::size_t i = run.begin; i < run.end; ++i) asked_[i] = {};
-}
-
 TreeData Tree::data() {
   return {rows_.data(), factors_.data(), asked_.data(), answers_.data(), loads_.data()};
-}
-
-void Tree::solve_part(int number) {
-  const Part& part = parts_[static_cast<std::size_t>(number)];
-  // Loads go from the tips to the root, velocities from the root to the tips.
-  for (std::size_t k = part.runs.size(); k-- > 0;)
-    kernels_->load_tree(data(), part.runs[k].begin, part.runs[k].end);
-  if (part.root >= 0) spread_root(roots_[static_cast<std::size_t>(part.root)]);
-  for (const Run& run : part.runs) kernels_->spread_tree(data(), run.begin, run.end);
 }
 
 void Tree::solve() {

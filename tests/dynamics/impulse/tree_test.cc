@@ -100,7 +100,9 @@ class Grove {
                  {kGround, {turn()}},            // 7: a part of its own, locked by its drive
                  {5, {both()}},                  // 8: of the first part again
                  {7, {turn()}},                  // 9
-                 {9, {turn()}}};                 // 10
+                 {9, {turn()}},                  // 10
+                 {kRoot, {}},                    // 11: another free root
+                 {11, {turn()}}};                // 12
     world::WorldModel model;
     model.engines.emplace_back();
     for (std::size_t i = 0; i < branches_.size(); ++i) {
@@ -193,19 +195,6 @@ TEST(Tree, NotesWhatItsJointsGive) {
   EXPECT_EQ(grove.tree.largest_answer(), largest);
 }
 
-TEST(Tree, SolvesAPartAloneToTheSameBits) {
-  Grove whole, parts;
-  whole.ask();
-  whole.tree.solve();
-  parts.ask();
-  parts.tree.solve_part(1);
-  parts.tree.solve_part(0);
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    EXPECT_EQ(parts.tree.dw(i), whole.tree.dw(i)) << i;
-    EXPECT_EQ(parts.tree.dv(i), whole.tree.dv(i)) << i;
-  }
-}
-
 // A unit impulse: on one or two bodies, or on the axis of `a` (if it has no directions).
 struct Impulse {
   int a, b = -1;
@@ -213,14 +202,16 @@ struct Impulse {
   bool is_on_axis() const { return on_a.isZero(0.0); }
 };
 
-// Impulses on bodies of one chain, of two branches, of two parts, on the root and against what does not move.
+// Impulses on bodies of one chain, of two branches, of two parts, on the roots and against what does not
+// move.
 std::vector<Impulse> make_impulses() {
   std::mt19937 generator{3};
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
   const auto direction = [&] { return Vector6(Vector6::NullaryExpr([&] { return uniform(generator); })); };
   std::vector<Impulse> impulses{{1}, {3}, {7}, {9}};
   const std::vector<std::pair<int, int>> ends{{0, -1}, {3, -1}, {8, -1}, {3, 8},  {8, 3},
-                                              {6, 0},  {1, 3},  {10, 2}, {-1, 9}, {5, 5}};
+                                              {6, 0},  {1, 3},  {10, 2}, {-1, 9}, {5, 5},
+                                              {12, 3}, {0, 12}, {11, -1}};
   // One, two, three and four impulses that are followed together.
   std::size_t together = 0;
   for (const auto& [a, b] : ends) {
@@ -230,22 +221,33 @@ std::vector<Impulse> make_impulses() {
   return impulses;
 }
 
-std::vector<double> find_response(Grove& grove, const std::vector<Impulse>& impulses) {
-  Tree& tree = grove.tree;
-  tree.begin_traces(impulses.size());
+// Impulses that may be followed together, both ends of each.
+struct Together {
+  std::size_t first = 0;  // its number
+  std::vector<TreePush> a, b;
+};
+
+std::vector<Together> put_together(const Tree& tree, const std::vector<Impulse>& impulses) {
+  std::vector<Together> all;
   for (std::size_t i = 0; i < impulses.size();) {
-    std::vector<TreePush> a, b;
+    Together& one = all.emplace_back(i);
     const Impulse& first = impulses[i];
     do {
       const Impulse& impulse = impulses[i++];
-      a.push_back(impulse.is_on_axis()
-                      ? tree.push_on_axis(static_cast<std::size_t>(impulse.a))
-                      : tree.push_at(impulse.a, impulse.on_a.head<3>(), impulse.on_a.tail<3>()));
-      b.push_back(tree.push_at(impulse.b, impulse.on_b.head<3>(), impulse.on_b.tail<3>()));
-    } while (i < impulses.size() && a.size() < Tree::kMostTogether && impulses[i].a == first.a &&
+      one.a.push_back(impulse.is_on_axis()
+                          ? tree.push_on_axis(static_cast<std::size_t>(impulse.a))
+                          : tree.push_at(impulse.a, impulse.on_a.head<3>(), impulse.on_a.tail<3>()));
+      one.b.push_back(tree.push_at(impulse.b, impulse.on_b.head<3>(), impulse.on_b.tail<3>()));
+    } while (i < impulses.size() && one.a.size() < Tree::kMostTogether && impulses[i].a == first.a &&
              impulses[i].b == first.b);
-    tree.trace(a, b);
   }
+  return all;
+}
+
+std::vector<double> find_response(Grove& grove, const std::vector<Impulse>& impulses) {
+  Tree& tree = grove.tree;
+  tree.begin_traces(impulses.size());
+  for (const Together& one : put_together(tree, impulses)) tree.trace(one.a, one.b);
   std::vector<double> W(impulses.size() * impulses.size());
   tree.find_response(W.data());
   return W;
@@ -274,6 +276,24 @@ TEST(Tree, FindsTheResponseThatItsAnswersHave) {
       EXPECT_NEAR(W[i * impulses.size() + j], rate, 1e-11 * (1.0 + std::abs(rate))) << i << ' ' << j;
     }
   }
+}
+
+TEST(Tree, FindsTheSameResponseFromEachWayByItself) {
+  Grove grove;
+  const std::vector<Impulse> impulses = make_impulses();
+  const std::vector<double> W = find_response(grove, impulses);
+  const std::vector<Together> all = put_together(grove.tree, impulses);
+  std::vector<std::vector<Tree::WayPoint>> ways(all.size());
+  for (std::size_t k = 0; k < all.size(); ++k) grove.tree.trace(all[k].a, all[k].b, ways[k]);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    for (std::size_t l = 0; l < all.size(); ++l) {
+      const Eigen::Matrix4d block = Tree::response(ways[k], ways[l]);
+      for (std::size_t i = 0; i < all[k].a.size(); ++i)
+        for (std::size_t j = 0; j < all[l].a.size(); ++j) {
+          const double expected = W[(all[k].first + i) * impulses.size() + all[l].first + j];
+          EXPECT_NEAR(block(static_cast<int>(i), static_cast<int>(j)), expected, 1e-11 * (1.0 + std::abs(expected)));
+        }
+    }
 }
 
 TEST(Tree, BothBuildsOfItsKernelsGiveTheSameBits) {

@@ -28,9 +28,9 @@ struct TreeRow {
   int node = -1, parent = -1;  // parent: a row
   int body = -1;               // -1: none
   int axis = -1;               // index of the joint's free direction; -1: none
+  int root = -1;               // which free root it is; -1: none
   Way way = kNowhere;
   bool collects = false;  // rows add to a sum in memory for this one
-  bool root = false;
   bool sums = false;   // root or collects: its load is kept in memory
   bool tip = false;    // no row passes its load on to this one in a register
   bool alone = false;  // its joint has one axis

@@ -108,7 +108,7 @@ VISUM_LANES_INLINE LanesInertia without_axis(const LanesInertia& m, LanesPair T,
 
 // P of a row; a free root's is the centre of mass.
 VISUM_LANES_INLINE const double* point_of(const TreePlace& place, const TreeRow& row) {
-  return row.root ? place.x + 3 * static_cast<std::size_t>(row.body)
+  return row.root >= 0 ? place.x + 3 * static_cast<std::size_t>(row.body)
                   : place.points + place.point_stride * static_cast<std::size_t>(row.node);
 }
 
@@ -276,8 +276,8 @@ VISUM_LANES_INLINE Lanes carry_on(const TreeFactor& f, LanesLoads& p) {
 }
 
 // Follows up to four impulses, all on the same one or two rows, to the root, or to where nothing moves.
-// Writes what they give to each axis on the way into the axis' row of `ways`, and the load on the root into
-// the six rows behind the tree's. Each row is `width` long; the impulses' columns come first. Lists the rows
+// Writes what they give to each axis on the way into the axis' row of `ways`, and the load on a root into the
+// root's six rows behind the tree's. Each row is `width` long; the impulses' columns come first. Lists the rows
 // of the way and returns their number. Parents come before their children, so the end with the larger row
 // goes on first, and both go on together from where they meet.
 std::size_t trace_tree(TreeData tree, std::size_t tree_rows, const TreePush* a, const TreePush* b,
@@ -296,10 +296,11 @@ std::size_t trace_tree(TreeData tree, std::size_t tree_rows, const TreePush* a, 
       waits = -1;
     }
     const TreeRow& row = tree.rows[at];
-    if (row.root) {
+    if (row.root >= 0) {
+      double* load = ways + (tree_rows + 6 * static_cast<std::size_t>(row.root)) * width;
       for (std::size_t k = 0; k < 3; ++k) {
-        store(ways + (tree_rows + k) * width, p.w[k]);
-        store(ways + (tree_rows + 3 + k) * width, p.v[k]);
+        store(load + k * width, p.w[k]);
+        store(load + (3 + k) * width, p.v[k]);
       }
     }
     const Lanes e = carry_on(tree.factors[at], p);
@@ -346,7 +347,7 @@ void spread_tree(TreeData tree, std::size_t begin, std::size_t end) {
     TreeAnswer& answer = tree.answers[i];
     // A row that does not follow its parent directly reads the parent's velocity from memory.
     if (row.way != TreeRow::kOn) {
-      const TreeAnswer* from = row.root ? &answer : row.parent >= 0 ? tree.answers + row.parent : nullptr;
+      const TreeAnswer* from = row.root >= 0 ? &answer : row.parent >= 0 ? tree.answers + row.parent : nullptr;
       up = no_pair();
       if (from != nullptr) up = {load(from->w), load(from->v)};
     }
