@@ -116,21 +116,26 @@ double Stepper::close(std::size_t m, double h, const world::WorldState& state, i
 
 // Newton's passes. Returns false where the joints do not close.
 bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& state, bool foreseen) {
-  // Near a pose where loops lose their grip, a shorter step may help.
-  const bool may_cut = divisible_ && plant_.mechanisms[m].loop_count() > 0;
+  const bool has_loops = plant_.mechanisms[m].loop_count() > 0;
   double last = 0.0;
   for (int pass = foreseen ? 1 : 0; pass < bounds_.most_passes; ++pass) {
     const double gap = find_gap_of_pass(m, h, state, pass);
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
-    // A tiny gap that no longer shrinks is rounding. It is accepted, unless shorter steps may still help a
-    // loop.
-    if (pass > 2 && gap <= kStandstill && gap > 0.5 * last) {
-      if (may_cut && gap > kRounding * d_max(m)) return false;
+    const bool stands = pass > 2 && gap <= kStandstill && gap > 0.5 * last;
+    // A tiny gap that no longer shrinks is rounding. Near a pose where loops lose their grip, one more answer
+    // may open it again, and a shorter step may help.
+    if (stands && has_loops) {
+      if (divisible_ && gap > kRounding * d_max(m)) return false;
       fell_short_ = true;
       return true;
     }
     give_answer(m, kAhead);
+    if (stands) {
+      fell_short_ = true;
+      fly(m, h);
+      return true;
+    }
     last = gap;
   }
   return false;
