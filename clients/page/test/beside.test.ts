@@ -60,7 +60,7 @@ async function two(position: number) {
   mock.method(recording.bodies, "take", () => undefined);
   await recording.begin("recording");
   part.record(part.ports);
-  return { asked, parts, part, recording, report };
+  return { asked, link, parts, part, recording, report };
 }
 
 test("a plot gets both recordings while they stand, and B's ahead of A while they play", async () => {
@@ -78,6 +78,32 @@ test("a plot gets both recordings while they stand, and B's ahead of A while the
   assert.deepEqual(asked.slice(2), ["/recording/beside/ports/0/5003/5000"], "what comes after that");
   await recording.refresh();
   assert.equal(asked.length, 3, "it is far enough ahead");
+});
+
+test("B's plot goes on after a reset that was recorded", async () => {
+  const { part } = await two(3);
+  part.refillBeside(new Float64Array([4.9, 1, 5, 2]), true);
+  part.refillBeside(new Float64Array([0.001, 3, 0.002, 4]), false);
+  part.refillBeside(new Float64Array([0.003, 5]), false);
+  assert.deepEqual(part.besides()!.all([0]), { times: [0.001, 0.002, 0.003], values: [[3, 4, 5]] });
+});
+
+test("a part that the recordings do not have keeps no other from its plot", async () => {
+  const { asked, link, parts, part, recording } = await two(3);
+  const gone = new Part(link, { ...part.description, name: "gone" });
+  gone.record(gone.ports);
+  parts.list.value = [gone, part];
+  const fetched = globalThis.fetch;
+  mock.method(globalThis, "fetch", async (url: string) => (/ports\/0/.test(url) ? { ok: false } : fetched(url)));
+  await recording.refresh();
+  await parts.plotted();
+  await settled();
+  await settled();
+  assert.deepEqual(part.recordings()!.all([0]).times, [0.001, 0.002, 0.003]);
+  assert.deepEqual(part.besides()!.all([0]).times, [0.001, 0.002]);
+  const before = asked.length;
+  await recording.refresh();
+  assert.equal(asked.length, before, "not again and again");
 });
 
 test("what is plotted while they play is filled from before this position, too", async () => {

@@ -51,6 +51,8 @@ void LoopFactor::factor() {
       eliminate_with(block, i);
     }
   }
+  left_out_.resize(size());
+  for (std::size_t i = 0; i < size(); ++i) left_out_[order_[i]] = inverse_diagonal_[i] == 0.0;
 }
 
 // Puts the columns of the blocks before in the order that their rows have got.

@@ -25,6 +25,7 @@ class LoopFactor {
   void add_row(double scale);
   std::size_t size() const { return start_.size(); }
   std::size_t rank() const;
+  bool is_left_out(std::size_t i) const { return left_out_[i] != 0; }
   // The least share of its free response that a row keeps after the rows before it, among the rows that are
   // not left out. It gets small near a pose where the loops lose their grip. 1 where there are none.
   double least_share() const { return least_share_; }
@@ -56,6 +57,7 @@ class LoopFactor {
   std::vector<std::size_t> order_;        // which row stands where
   std::vector<double> pivots_;            // what remains of each row of the present block
   std::vector<double> inverse_diagonal_;  // of the factor; 0: left out
+  std::vector<char> left_out_;            // by row
   std::vector<double> sorted_;
   double least_share_ = 1.0;
 };

@@ -1,9 +1,9 @@
 // Closed loops on a spanning tree: G T^-1 G^T mu = e. T^-1 is the tree's response (tree_response.cc), G the
 // rows that the loops hold, and e what the loops still miss after the tree alone has answered. After Baraff,
-// Linear-time dynamics using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two loops
-// have a common entry only if they share a part of the tree, where a part is what hangs together without the
-// ground. In a row of four-bars each loop has an entry with the next one only, and the cost grows with their
-// number.
+// Linear-time dynamics using Lagrange multipliers, SIGGRAPH 1996, section 7 (auxiliary constraints). Two
+// loops have a common entry only if they share a part of the tree, where a part is what hangs together
+// without the ground. In a row of four-bars each loop has an entry with the next one only, and the cost grows
+// with their number.
 #include "server/dynamics/impulse/mechanism.h"
 
 namespace visum::dynamics::impulse {
@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kNearlySingular =
     3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
+constexpr double kForeseeable = 3e-3;  // the least such share with which joints are foreseen
 
-constexpr std::uint64_t kMostLoopRows = 6;  // that one joint holds
-constexpr std::uint64_t kMostBundles = 2;   // of these
+constexpr std::uint64_t kMostLoopRows = 6;                       // that one joint holds
+constexpr std::uint64_t kMostBundles = 2, kBundleProducts = 16;  // bundles of these; products at a place
 
 }  // namespace
 
@@ -62,7 +63,7 @@ std::array<int, 2> Mechanism::parts(const PathEnds& ends) const {
 void Mechanism::find_loop_neighbours() {
   first_neighbour_.resize(loops_.size());
   first_loop_row_.resize(loops_.size() + 1);
-  first_solved_.resize(loops_.size());
+  first_solved_.resize(loops_.size() + 1);
   first_bundle_.resize(loops_.size());
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     loop_ends_.push_back({loops_[i].a, loops_[i].b, node_of(loops_[i].a), node_of(loops_[i].b)});
@@ -81,8 +82,10 @@ void Mechanism::find_loop_neighbours() {
 // The rows of a loop are followed through the parts that it joins, at most through the whole tree, and meet
 // those of earlier loops there, from the first neighbour's on. By these they are then eliminated.
 void Mechanism::count_units() {
-  std::vector<std::uint64_t> part_size(size(), 0);
-  for (std::size_t node = 0; node < size(); ++node) ++part_size[static_cast<std::size_t>(tree_.part(node))];
+  std::vector<std::uint64_t> part_size(size(), 0);  // places on the ways through it
+  for (std::size_t node = 0; node < size(); ++node)
+    part_size[static_cast<std::size_t>(tree_.part(node))] +=
+        tree_.node(node).joint < 0 ? 6 : static_cast<std::uint64_t>(std::max(1, tree_.node(node).freedoms));
   std::uint64_t steps = 0, entries = 0, products = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     std::uint64_t way = 0;
@@ -91,7 +94,8 @@ void Mechanism::count_units() {
     const std::uint64_t width = kMostLoopRows * (i + 1 - first_neighbour_[i]);
     steps += kMostBundles * way;
     entries += kMostLoopRows * width;
-    products += kMostLoopRows * width * (way + width);
+    products += kMostLoopRows * width * width;
+    products += kBundleProducts * kMostBundles * kMostBundles * (i + 1 - first_neighbour_[i]) * way;
   }
   pass_units_ = WorkBudget::kPerNode * size() + 2 * entries / WorkBudget::kMultiplications;
   factor_units_ = WorkBudget::kPerNode * steps + entries + products / WorkBudget::kMultiplications;
@@ -142,12 +146,16 @@ void Mechanism::trace_loop(std::size_t i) {
     const Eigen::Matrix4d W = response(bundle, bundle);
     for (std::size_t lane = 0; lane < count; ++lane) {
       const LoopRow& of = loop_rows_[row - count + lane];
-      if (!(W(static_cast<int>(lane), static_cast<int>(lane)) > LoopFactor::kDependent * of.free_response)) continue;
+      if (!(W(static_cast<int>(lane), static_cast<int>(lane)) > LoopFactor::kDependent * of.free_response))
+        continue;
       bundle.lanes[bundle.rows++] = static_cast<int>(lane);
       solved_rows_.push_back(row - count + lane);
       loop_factor_.add_row(of.free_response);
     }
-    if (bundle.rows == 0) continue;
+    if (bundle.rows == 0) {
+      loop_ways_.resize(bundle.way);
+      continue;
+    }
     bundles_.push_back(bundle);
     enter(bundle, bundle, W);
   }
@@ -178,11 +186,17 @@ void Mechanism::factor_loops() {
       for (std::size_t b = first_bundle_[first_neighbour_[i]]; b < a; ++b)
         enter(bundles_[a], bundles_[b], response(bundles_[a], bundles_[b]));
   }
+  first_solved_[loops_.size()] = solved_rows_.size();
   loop_factor_.factor();
 }
 
+// In the pose itself the weak row is left out, and does not count. No step is known to end there.
 bool Mechanism::is_nearly_singular() const {
   return !loops_.empty() && loop_factor_.least_share() < kNearlySingular;
+}
+
+bool Mechanism::is_foreseeable() const {
+  return loops_.empty() || loop_factor_.least_share() >= kForeseeable;
 }
 
 void Mechanism::solve() {
@@ -194,7 +208,8 @@ void Mechanism::solve() {
     loop_errors_[i] = row.wanted - rate(row.line);
   }
   loop_factor_.solve(loop_errors_);
-  for (std::size_t i = 0; i < solved_rows_.size(); ++i) push(loop_rows_[solved_rows_[i]].line, loop_errors_[i]);
+  for (std::size_t i = 0; i < solved_rows_.size(); ++i)
+    push(loop_rows_[solved_rows_[i]].line, loop_errors_[i]);
   tree_.solve();
 }
 

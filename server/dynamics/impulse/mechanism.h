@@ -21,7 +21,7 @@ struct PathMotion {
   Vector3d angular_b = Vector3d::Zero(), linear_b = Vector3d::Zero();
 };
 
-// Two bodies of a mechanism by their numbers, -1: it does not move; and their nodes, -1: not in the mechanism.
+// Two bodies of a mechanism by their numbers, -1: it does not move; and their nodes, -1: not in it.
 struct PathEnds {
   int body_a = -1, body_b = -1, node_a = -1, node_b = -1;
 };
@@ -66,6 +66,8 @@ class Mechanism {
   // True if it is near a pose where its loops lose their grip, for example all bars of a four-bar on one
   // line. As factored.
   bool is_nearly_singular() const;
+  // False already farther from such a pose: what the joints will give is not foreseen there.
+  bool is_foreseeable() const;
 
   // Computes the poses that the look-ahead has reached, and asks for what would close their gaps in h.
   // Returns the largest gap, m or rad; NaN if one is NaN.
@@ -144,8 +146,8 @@ class Mechanism {
   void factor_loops();
   // Rows of a loop whose ways through the tree are followed together, as far as they are solved for.
   struct Bundle {
-    std::size_t way = 0, places = 0;  // where the way begins in loop_ways_, and its length
-    std::size_t first = 0, rows = 0;  // in solved_rows_
+    std::size_t way = 0, places = 0;               // where the way begins in loop_ways_, and its length
+    std::size_t first = 0, rows = 0;               // in solved_rows_
     std::array<int, Tree::kMostTogether> lanes{};  // of these rows
   };
   void trace_loop(std::size_t loop);
@@ -159,7 +161,7 @@ class Mechanism {
   std::vector<JointBlock> joint_blocks(const std::vector<std::size_t>& nodes, const Bodies& bodies) const;
   // Adds an impulse along free direction k of node i to the foreseen ones.
   void add_along(std::size_t i, std::size_t k, double impulse);
-  // Of a loop's foreseen impulse, leaves the share along the directions that its joint holds.
+  // Of a loop's foreseen impulse, leaves the share along the rows that are solved for.
   void hold_foreseen(std::size_t loop);
   void apply_and_note(Bodies& bodies, std::span<JointImpulse> given);
   void add_ends(const JointSpec& spec, std::size_t place, const Bodies& bodies);
@@ -183,9 +185,10 @@ class Mechanism {
   std::vector<LoopRow> loop_rows_;
   std::vector<std::size_t> first_loop_row_;  // by loop, and behind the last one
   std::size_t loop_row_count_ = 0;
-  std::vector<std::size_t> solved_rows_;     // the rows that the loops' system has
+  std::vector<std::size_t> solved_rows_;  // the rows that the loops' system has
   std::vector<Bundle> bundles_;
-  std::vector<std::size_t> first_solved_, first_bundle_;  // by loop
+  std::vector<std::size_t> first_solved_;  // by loop, and behind the last one
+  std::vector<std::size_t> first_bundle_;  // by loop
   std::vector<Tree::WayPoint> loop_ways_;
   LoopFactor loop_factor_;
   std::vector<double> loop_errors_;  // by solved row: what is missing; after solve() the impulse

@@ -82,7 +82,7 @@ bool Mechanism::is_too_taut(double h) const {
 }
 
 bool Mechanism::predict(const Bodies& bodies) {
-  if (!prediction_.is_ready() || is_nearly_singular()) return false;
+  if (!prediction_.is_ready() || !is_foreseeable()) return false;
   // Free roots give nothing. Hinges lose their share about the axis, the other kinds theirs along each free
   // direction.
   for (const std::size_t root : free_roots_) prediction_.foreseen()[root] = {};
@@ -101,13 +101,16 @@ bool Mechanism::predict(const Bodies& bodies) {
   return true;
 }
 
+// Rows that are left out get nothing. No gap would show an error along them, and it would grow from step to
+// step.
 void Mechanism::hold_foreseen(std::size_t i) {
   JointImpulse& foreseen = prediction_.foreseen()[size() + i];
   const JointImpulse f = foreseen;
   foreseen = {};
-  const Held& held = loop_held_[i];
-  for (std::size_t k = 0; k < static_cast<std::size_t>(held.count); ++k) {
-    const Vector3d &w = held.w[k], &v = held.v[k];
+  for (std::size_t row = first_solved_[i]; row < first_solved_[i + 1]; ++row) {
+    if (loop_factor_.is_left_out(row)) continue;
+    const std::size_t k = solved_rows_[row] - first_loop_row_[i];
+    const Vector3d &w = loop_held_[i].w[k], &v = loop_held_[i].v[k];
     const double share = (w.dot(f.w) + v.dot(f.v)) / (w.squaredNorm() + v.squaredNorm());
     foreseen.w += share * w;
     foreseen.v += share * v;

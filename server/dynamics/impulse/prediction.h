@@ -1,4 +1,4 @@
-// The prediction of what a tree's joints will have to give in a step, from what they gave in the last steps.
+// The prediction of what joints will have to give in a step, from what they gave in the last steps.
 // The rest that must be solved for is then small, or zero.
 //
 // Symbols: F a joint's reaction; h the step's length; lambda the impulse at the start of the step, which
@@ -33,7 +33,7 @@ struct JointImpulse {
 };
 
 // One joint impulse per joint of a mechanism. Order of calls in a step: begin(), then foreseen impulses and
-// additions, then end() or forget(). Each Mechanism without loops owns one. Nothing fails: bytes of another
+// additions, then end() or forget(). Each Mechanism owns one. Nothing fails: bytes of another
 // engine count as "nothing known".
 class Prediction {
  public:

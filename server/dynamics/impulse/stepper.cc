@@ -384,13 +384,13 @@ void Stepper::correct_velocities(double h, std::span<const Wrench> wrenches, con
 }
 
 // Rows may push something else in the next step, so nothing is foreseen for the joints of a mechanism that
-// has them.
+// has them. Nor is it where loops lose their grip.
 void Stepper::note_joints() {
   if (corrector_) return;
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     Mechanism& mechanism = plant_.mechanisms[m];
     if (!mechanism.predicts() || plant_.mechanism_asleep[m]) continue;
-    if (bounded_.binds(m) || mechanism.is_nearly_singular())
+    if (bounded_.binds(m) || !mechanism.is_foreseeable())
       mechanism.prediction().forget();
     else
       mechanism.prediction().end();

@@ -98,6 +98,7 @@ class Stepper {
   // Returns how much the mechanism's last answer leaves of its joints' gaps where the look-ahead follows it
   // to first order: m or rad.
   double left_by_answer(std::size_t mechanism, double h) const;
+  bool may_follow(std::size_t mechanism) const;
   // Moves the look-ahead along with that answer, to first order.
   void nudge(std::size_t mechanism, double h);
   // The same if it leaves next to nothing, along with what answers since the last flight have left. Otherwise
@@ -105,7 +106,7 @@ class Stepper {
   bool follow_answer(std::size_t mechanism, double h);
   // Corrects what the prediction left. False where the prediction is of no use.
   bool close_foreseen(std::size_t mechanism, double h, const world::WorldState& state);
-  // The same for a pass of Newton.
+  // Like find_gap(), for a pass of Newton.
   double find_gap_of_pass(std::size_t mechanism, double h, const world::WorldState& state, int pass);
   // One pass of Newton over a mechanism. Returns the gap that it found.
   double close(std::size_t mechanism, double h, const world::WorldState& state, int pass);

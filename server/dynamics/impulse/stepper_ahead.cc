@@ -31,6 +31,7 @@ bool Stepper::predict(std::size_t m, double h) {
   Mechanism& mechanism = plant_.mechanisms[m];
   if (!mechanism.predict(plant_.bodies)) return false;
   for (Axis& axis : plant_.acting_axes_of(m)) {
+    if (axis.node < 0) continue;  // push() has pushed it
     const auto node = static_cast<std::size_t>(axis.node);
     const double known = known_impulse(axis, kAhead, h);
     // A law in the tree gets what was predicted on its axis; otherwise the known impulse alone is given.
@@ -89,13 +90,18 @@ void Stepper::nudge(std::size_t m, double h) {
     axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
 }
 
-// An axis that closes a loop is not in the tree's answer, so mechanisms with such an axis fly again.
-bool Stepper::follow_answer(std::size_t m, double h) {
-  if (plant_.mechanisms[m].is_nearly_singular()) return false;
+// Whether the look-ahead may follow the mechanism's answers. An axis that closes a loop is not in the tree's
+// answer, and near a pose where loops lose their grip an answer leaves more than left_by_answer() says.
+bool Stepper::may_follow(std::size_t m) const {
   for (const Axis& axis : plant_.acting_axes_of(m))
     if (axis.node < 0) return false;
+  return plant_.mechanisms[m].is_foreseeable();
+}
+
+bool Stepper::follow_answer(std::size_t m, double h) {
   double& left = left_[m];
   left += left_by_answer(m, h);
+  if (!may_follow(m)) left = std::numeric_limits<double>::infinity();
   if (!(left <= d_max(m))) return false;
   nudge(m, h);
   return true;
@@ -123,8 +129,8 @@ bool Stepper::close_by_newton(std::size_t m, double h, const world::WorldState& 
     if (gap <= d_max(m)) return true;
     if (!std::isfinite(gap)) return false;
     const bool stands = pass > 2 && gap <= kStandstill && gap > 0.5 * last;
-    // A tiny gap that no longer shrinks is rounding. Near a pose where loops lose their grip, one more answer
-    // may open it again, and a shorter step may help.
+    // A tiny gap that no longer shrinks is rounding. With loops, which may be about to lose their grip, one
+    // more answer may open it again, and a shorter step may help.
     if (stands && has_loops) {
       if (divisible_ && gap > kRounding * d_max(m)) return false;
       fell_short_ = true;
@@ -148,7 +154,7 @@ bool Stepper::close_foreseen(std::size_t m, double h, const world::WorldState& s
   if (gap <= kUntouched * d_max(m)) return true;
   if (!(gap <= kFar)) return false;
   give_answer(m, kAhead);
-  if (!(left_by_answer(m, h) <= d_max(m))) return close_by_newton(m, h, state, true);
+  if (!may_follow(m) || !(left_by_answer(m, h) <= d_max(m))) return close_by_newton(m, h, state, true);
   nudge(m, h);
   return true;
 }

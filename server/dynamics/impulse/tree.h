@@ -165,8 +165,8 @@ class Tree {
   std::vector<Way> ways_;
   std::vector<std::size_t> way_rows_, way_;  // of all ways; room for one
   std::vector<double> matrix_, on_way_;      // on_way_: room for four impulses
-  std::size_t width_ = 0, step_count_ = 0;  // width_: of the matrix' rows
-  std::vector<WayTerm> answers_of_way_;     // to one impulse: of each axis on its way, and of the root
+  std::size_t width_ = 0, step_count_ = 0;   // width_: of the matrix' rows
+  std::vector<WayTerm> answers_of_way_;      // to one impulse: of each axis on its way, and of the root
 };
 
 }  // namespace visum::dynamics::impulse

@@ -209,9 +209,8 @@ std::vector<Impulse> make_impulses() {
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
   const auto direction = [&] { return Vector6(Vector6::NullaryExpr([&] { return uniform(generator); })); };
   std::vector<Impulse> impulses{{1}, {3}, {7}, {9}};
-  const std::vector<std::pair<int, int>> ends{{0, -1}, {3, -1}, {8, -1}, {3, 8},  {8, 3},
-                                              {6, 0},  {1, 3},  {10, 2}, {-1, 9}, {5, 5},
-                                              {12, 3}, {0, 12}, {11, -1}};
+  const std::vector<std::pair<int, int>> ends{{0, -1}, {3, -1}, {8, -1}, {3, 8},  {8, 3},  {6, 0},  {1, 3},
+                                              {10, 2}, {-1, 9}, {5, 5},  {12, 3}, {0, 12}, {11, -1}};
   // One, two, three and four impulses that are followed together.
   std::size_t together = 0;
   for (const auto& [a, b] : ends) {
@@ -291,7 +290,8 @@ TEST(Tree, FindsTheSameResponseFromEachWayByItself) {
       for (std::size_t i = 0; i < all[k].a.size(); ++i)
         for (std::size_t j = 0; j < all[l].a.size(); ++j) {
           const double expected = W[(all[k].first + i) * impulses.size() + all[l].first + j];
-          EXPECT_NEAR(block(static_cast<int>(i), static_cast<int>(j)), expected, 1e-11 * (1.0 + std::abs(expected)));
+          EXPECT_NEAR(block(static_cast<int>(i), static_cast<int>(j)), expected,
+                      1e-11 * (1.0 + std::abs(expected)));
         }
     }
 }

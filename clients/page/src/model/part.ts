@@ -196,7 +196,7 @@ export class Part {
   refillBeside(rows: Float64Array, anew: boolean): void {
     if (!this.history) return;
     this.beside ??= new History(this.history.width, kBesideSamples);
-    if (anew) this.beside.clear();
+    if (anew || rows[0]! <= this.beside.lastTime) this.beside.clear(); // time began anew there, too
     this.fill(this.beside, rows);
   }
 

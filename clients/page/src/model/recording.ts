@@ -82,9 +82,9 @@ export class Recording {
       if (!part.isPlotted) continue;
       const stretch = `ports/${number}/${to}/${kPlottedTicks}`;
       const [rows, ofB] = await Promise.all([this.rows(stretch), beside ? this.rows(`beside/${stretch}`) : new Float64Array()]);
-      if (!rows || !ofB || this.refills !== refills || this.position.value !== to || this.playing) return;
-      part.refill(rows);
-      if (beside) this.fillBeside(part, ofB, to, true);
+      if (this.refills !== refills || this.position.value !== to || this.playing) return;
+      if (rows) part.refill(rows);
+      if (beside && ofB) this.fillBeside(part, ofB, to, true);
     }
     this.refilledTo = to;
   }
@@ -93,9 +93,14 @@ export class Recording {
     return this.report.value?.beside !== undefined;
   }
 
+  // Null where the recording has none, as of a part that came later, or where the server is gone.
   private async rows(path: string): Promise<Float64Array | null> {
-    const answer = await fetch(`/recording/${path}`, { headers: this.link.headers }).catch(() => null);
-    return answer?.ok ? new Float64Array(await answer.arrayBuffer()) : null;
+    try {
+      const answer = await fetch(`/recording/${path}`, { headers: this.link.headers });
+      return answer.ok ? new Float64Array(await answer.arrayBuffer()) : null;
+    } catch {
+      return null;
+    }
   }
 
   // `rows`: B's values up to `to`. `anew`: in place of those that the part has.

@@ -31,9 +31,9 @@ struct TreeRow {
   int root = -1;               // which free root it is; -1: none
   Way way = kNowhere;
   bool collects = false;  // rows add to a sum in memory for this one
-  bool sums = false;   // root or collects: its load is kept in memory
-  bool tip = false;    // no row passes its load on to this one in a register
-  bool alone = false;  // its joint has one axis
+  bool sums = false;      // root or collects: its load is kept in memory
+  bool tip = false;       // no row passes its load on to this one in a register
+  bool alone = false;     // its joint has one axis
 };
 
 // The factors of a row.

@@ -109,7 +109,7 @@ VISUM_LANES_INLINE LanesInertia without_axis(const LanesInertia& m, LanesPair T,
 // P of a row; a free root's is the centre of mass.
 VISUM_LANES_INLINE const double* point_of(const TreePlace& place, const TreeRow& row) {
   return row.root >= 0 ? place.x + 3 * static_cast<std::size_t>(row.body)
-                  : place.points + place.point_stride * static_cast<std::size_t>(row.node);
+                       : place.points + place.point_stride * static_cast<std::size_t>(row.node);
 }
 
 // The effective 1/D and the gain of an axis, with or without a drive in the tree.
@@ -277,9 +277,9 @@ VISUM_LANES_INLINE Lanes carry_on(const TreeFactor& f, LanesLoads& p) {
 
 // Follows up to four impulses, all on the same one or two rows, to the root, or to where nothing moves.
 // Writes what they give to each axis on the way into the axis' row of `ways`, and the load on a root into the
-// root's six rows behind the tree's. Each row is `width` long; the impulses' columns come first. Lists the rows
-// of the way and returns their number. Parents come before their children, so the end with the larger row
-// goes on first, and both go on together from where they meet.
+// root's six rows behind the tree's. Each row is `width` long; the impulses' columns come first. Lists the
+// rows of the way and returns their number. Parents come before their children, so the end with the larger
+// row goes on first, and both go on together from where they meet.
 std::size_t trace_tree(TreeData tree, std::size_t tree_rows, const TreePush* a, const TreePush* b,
                        std::size_t count, double* ways, std::size_t width, std::size_t* way) {
   const TreePush *lead = a->row >= b->row ? a : b, *rest = lead == a ? b : a;
@@ -347,7 +347,9 @@ void spread_tree(TreeData tree, std::size_t begin, std::size_t end) {
     TreeAnswer& answer = tree.answers[i];
     // A row that does not follow its parent directly reads the parent's velocity from memory.
     if (row.way != TreeRow::kOn) {
-      const TreeAnswer* from = row.root >= 0 ? &answer : row.parent >= 0 ? tree.answers + row.parent : nullptr;
+      const TreeAnswer* from = row.root >= 0     ? &answer
+                               : row.parent >= 0 ? tree.answers + row.parent
+                                                 : nullptr;
       up = no_pair();
       if (from != nullptr) up = {load(from->w), load(from->v)};
     }
