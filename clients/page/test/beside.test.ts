@@ -71,7 +71,8 @@ test("a plot gets both recordings while they stand, and B's ahead of A while the
   await settled();
   assert.deepEqual(asked, ["/recording/ports/0/3/10000", "/recording/beside/ports/0/3/10000"]);
   assert.deepEqual(part.besides()!.all([0]), { times: [0.001, 0.002], values: [[5, 6]] });
-  part.take({ controllerInputs: [1], sensorOutputs: [], conflated: 0n, simTimeNs: 2_000_000n, era: -1n } as unknown as PartSample); // late
+  const late = { controllerInputs: [1], sensorOutputs: [], conflated: 0n, simTimeNs: 2_000_000n, era: -1n };
+  part.take(late as unknown as PartSample);
   assert.deepEqual(part.recordings()!.all([0]).times, [0.001, 0.002, 0.003]);
   recording.playing = true;
   await recording.refresh();

@@ -161,7 +161,7 @@ class Mechanism {
   std::vector<JointBlock> joint_blocks(const std::vector<std::size_t>& nodes, const Bodies& bodies) const;
   // Adds an impulse along free direction k of node i to the foreseen ones.
   void add_along(std::size_t i, std::size_t k, double impulse);
-  // Of a loop's foreseen impulse, leaves the share along the rows that are solved for.
+  // Leaves of a loop's foreseen impulse the share along the rows that are solved for.
   void hold_foreseen(std::size_t loop);
   void apply_and_note(Bodies& bodies, std::span<JointImpulse> given);
   void add_ends(const JointSpec& spec, std::size_t place, const Bodies& bodies);

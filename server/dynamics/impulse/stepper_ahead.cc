@@ -90,7 +90,7 @@ void Stepper::nudge(std::size_t m, double h) {
     axis.mean_rate += mechanism.tree().axis_rate(static_cast<std::size_t>(axis.node));
 }
 
-// Whether the look-ahead may follow the mechanism's answers. An axis that closes a loop is not in the tree's
+// True if the look-ahead may follow the mechanism's answers. An axis that closes a loop is not in the tree's
 // answer, and near a pose where loops lose their grip an answer leaves more than left_by_answer() says.
 bool Stepper::may_follow(std::size_t m) const {
   for (const Axis& axis : plant_.acting_axes_of(m))

@@ -105,7 +105,7 @@ class Cranks {
   }
 };
 
-// What a lab takes for some ticks, with all that it remembers of the last ones, and without.
+// Returns what some ticks take, with all that the engine remembers of the ticks before, and without.
 std::uint64_t work_of(const world::WorldModel& model, bool remembers) {
   Lab lab(model);
   std::uint64_t work = 0;
@@ -122,8 +122,8 @@ TEST(Loops, AreForeseen) {
     EXPECT_LT(1.1 * static_cast<double>(work_of(model, true)), static_cast<double>(work_of(model, false)));
 }
 
-// Which row follows from the others changes in the swing. What is foreseen along one that is left out would
-// grow without a gap that shows it, to 5 MN in these 12 s.
+// The rows that follow from the others change in the swing. An impulse foreseen along one that is left out
+// would grow without a gap that shows it, to 5 MN in these 12 s.
 TEST(Loops, OneTooManyKeepsItsImpulsesSmall) {
   for (const char* row : {"impulse", "impulse-order4"}) {
     Lab lab(Cranks(setting(row)).model);

@@ -66,8 +66,8 @@ export class History {
     this.channels[channel] = new Channel(this.capacity);
   }
 
-  // Times must grow; a sample of a time that is there, or before it, is dropped. `afterGap`: samples were lost
-  // between the last one and this one.
+  // Times must grow; a sample of a time that is there, or before it, is dropped. `afterGap`: samples were
+  // lost between the last one and this one.
   add(time: number, value: (channel: number) => number, afterGap = false): void {
     if (time <= this.lastTime) return;
     const slot = this.written % this.capacity;
