@@ -190,7 +190,7 @@ void Mechanism::factor_loops() {
   loop_factor_.factor();
 }
 
-// In the pose itself the weak row is left out, and does not count. No step is known to end there.
+// In the pose itself the weak row is left out and does not count, so bars that stand there pass as sound.
 bool Mechanism::is_nearly_singular() const {
   return !loops_.empty() && loop_factor_.least_share() < kNearlySingular;
 }
