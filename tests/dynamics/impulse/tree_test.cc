@@ -229,7 +229,8 @@ struct Together {
 std::vector<Together> put_together(const Tree& tree, const std::vector<Impulse>& impulses) {
   std::vector<Together> all;
   for (std::size_t i = 0; i < impulses.size();) {
-    Together& one = all.emplace_back(i);
+    Together& one = all.emplace_back();
+    one.first = i;
     const Impulse& first = impulses[i];
     do {
       const Impulse& impulse = impulses[i++];
