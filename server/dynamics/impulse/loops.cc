@@ -127,8 +127,8 @@ void Mechanism::place_loop_rows(const Bodies& bodies) {
   first_loop_row_[loops_.size()] = loop_row_count_;
 }
 
-// The ways of a loop's rows, four at a time. Rows that the tree cannot move at all, as those across the plane
-// of a four-bar, are left out at once: LoopFactor would do so, too.
+// Follows the rows of a loop, four at a time. Rows that the tree cannot move at all, as those across the
+// plane of a four-bar, are left out at once: LoopFactor would do so, too.
 void Mechanism::trace_loop(std::size_t i) {
   first_bundle_[i] = bundles_.size();
   const std::size_t end = first_loop_row_[i + 1];

@@ -88,11 +88,11 @@ class Tree {
   std::size_t step_count() const { return step_count_; }  // axes on all ways to the root
   void find_response(double* W);
 
-  // The same where few impulses have to do with each other: each way is kept by itself.
-  // What up to four impulses give to one axis on their way, or to one coordinate of a free root, and what it
-  // does then. `place`: a row; behind the rows, six for each root.
+  // The same where most impulses have nothing to do with each other: each way is kept by itself.
+  // A place on the way of up to four impulses: an axis, or one coordinate of a free root. Each impulse gives
+  // it something (N·s or N·m·s), and it answers with a velocity (m/s or rad/s).
   struct WayPoint {
-    std::size_t place = 0;
+    std::size_t place = 0;  // a row; behind the rows, six for each root
     Eigen::Vector4d given, answer;
   };
   // Appends the way of up to four impulses, from the last place to the first.
@@ -129,6 +129,7 @@ class Tree {
     Eigen::Matrix<double, 6, 6> inverse =
         Eigen::Matrix<double, 6, 6>::Identity();  // of the inertia of all that hangs on it
   };
+
   // The way of a unit impulse to the root: its rows are some of way_rows_.
   struct Way {
     std::size_t first = 0, count = 0;
@@ -145,6 +146,8 @@ class Tree {
   void factor_root(Root& root);
   void spread_root(const Root& root);
   TreeData data();
+  // How many places a way may lead through: the rows, and six for each root's load.
+  std::size_t places() const { return rows_.size() + 6 * roots_.size(); }
 
   const Kernels* kernels_;
   std::vector<TreeNode> nodes_;
@@ -157,9 +160,6 @@ class Tree {
   std::vector<TreeAsked> asked_;
   std::vector<TreeAnswer> answers_;
   std::vector<TreeLoad> loads_;
-  // How many places a way may lead through: the rows, and six for each root's load.
-  std::size_t places() const { return rows_.size() + 6 * roots_.size(); }
-
   // The ways of the impulses whose response is asked for. The matrix has a row for each place, and a column
   // for each impulse: its e there (tree_response.cc).
   std::vector<Way> ways_;

@@ -92,7 +92,7 @@ void Tree::trace(std::span<const TreePush> a, std::span<const TreePush> b, std::
   }
 }
 
-// The places of both ways fall.
+// Both ways are sorted, the last place first. Only places that both lead through count.
 Eigen::Matrix4d Tree::response(std::span<const WayPoint> a, std::span<const WayPoint> b) {
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {

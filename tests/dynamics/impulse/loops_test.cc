@@ -1,5 +1,5 @@
-// Closed loops: what is foreseen of their joints, dependent rows, axes that close them, and poses near the
-// line.
+// Closed loops: their joints are foreseen, some rows follow from others, drives and stops act on axes that
+// close them, and near the line they lose their grip.
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/lab.h"
