@@ -5,7 +5,8 @@
 namespace visum::recording {
 namespace {
 
-constexpr int kFastest = 1;  // higher levels take several times longer, and save a tenth more
+constexpr int kFastest =
+    -1;  // half the time of level 1, 3 % more bytes; level 3 saves 5 % more, for 3 times that
 
 }  // namespace
 

@@ -1,4 +1,5 @@
-// Plain values to bytes. Each message is built in an arena of the thread, which is emptied afterwards.
+// Plain values to bytes. Each message is built in an arena of the thread, which is emptied afterwards; those
+// of every tick are built in messages that stay.
 #include <google/protobuf/arena.h>
 
 #include <array>
@@ -13,6 +14,13 @@ namespace {
 
 using google::protobuf::Arena;
 
+template <typename Message>
+void append(std::vector<std::byte>& to, const Message& message) {
+  const auto start = to.size();
+  to.resize(start + message.ByteSizeLong());
+  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(to.data() + start));
+}
+
 // Builds a message with `fill` and appends its bytes.
 template <typename Message, typename Fill>
 void append(std::vector<std::byte>& to, const Fill& fill) {
@@ -23,10 +31,17 @@ void append(std::vector<std::byte>& to, const Fill& fill) {
   thread_local Scratch scratch;
   auto& message = *Arena::CreateMessage<Message>(&scratch.arena);
   fill(message);
-  const auto start = to.size();
-  to.resize(start + message.ByteSizeLong());
-  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(to.data() + start));
+  append(to, message);
   scratch.arena.Reset();
+}
+
+// As append(), for the small messages of every tick: the thread's message stays, and so does its memory.
+template <typename Message, typename Fill>
+void append_kept(std::vector<std::byte>& to, const Fill& fill) {
+  thread_local Message message;
+  message.Clear();
+  fill(message);
+  append(to, message);
 }
 
 template <typename Numbers, typename Field>
@@ -234,7 +249,7 @@ void encode(const TimedInput& from, std::vector<std::byte>& to) {
 }
 
 void encode(const Tick& from, std::vector<std::byte>& to) {
-  append<v1::Tick>(to, [&](v1::Tick& w) {
+  append_kept<v1::Tick>(to, [&](v1::Tick& w) {
     w.set_tick(from.tick);
     w.set_era(from.era);
     w.set_sim_time_ns(from.sim_time_ns);
@@ -244,7 +259,7 @@ void encode(const Tick& from, std::vector<std::byte>& to) {
 }
 
 void encode(const Sample& from, std::vector<std::byte>& to) {
-  append<visum::v1::PartSample>(to, [&](visum::v1::PartSample& w) {
+  append_kept<visum::v1::PartSample>(to, [&](visum::v1::PartSample& w) {
     w.mutable_part()->assign(from.part);
     w.set_tick(from.tick);
     w.set_sim_time_ns(from.sim_time_ns);

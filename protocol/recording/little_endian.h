@@ -26,8 +26,10 @@ class LittleWriter {
   template <typename T>
   requires std::is_unsigned_v<T>
   void number(T value) {
+    const auto at = out_.size();
+    out_.resize(at + sizeof(T));
     for (std::size_t i = 0; i < sizeof(T); ++i)
-      out_.push_back(static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i)));
+      out_[at + i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
   }
   void raw(Bytes bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
   void text(std::string_view text) {

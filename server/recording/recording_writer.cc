@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRound{10};   // how often the thread looks at its queue
+constexpr milliseconds kRound{10};   // how often the thread looks for messages
 constexpr milliseconds kFlush{500};  // how long a message waits for its chunk to be full
 constexpr milliseconds kRoom{1};     // how often the tick's thread looks for room
 constexpr std::chrono::seconds kPatience{10};
@@ -76,29 +76,27 @@ void RecordingWriter::put_first(std::uint16_t channel, std::uint64_t publish_tim
 
 // Where the tick waits for room anyway, the answer must not depend on the disk: equal runs make equal files.
 bool RecordingWriter::has_room_for(std::size_t bytes) const {
-  return bytes <= (overflow_ == Overflow::kWait ? kQueueBytes : queue_.write_available()) / 2;
+  return bytes <= (overflow_ == Overflow::kWait ? kWaitingBytes : handover_.room()) / 2;
 }
 
 void RecordingWriter::put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                           Bytes data) {
   if (ended()) return;
   const Head head{channel, static_cast<std::uint32_t>(data.size()), log_time_ns, publish_time_ns};
-  const auto head_bytes = std::as_bytes(std::span(&head, 1));
-  message_.assign(head_bytes.begin(), head_bytes.end());
-  message_.insert(message_.end(), data.begin(), data.end());
-  if (!make_room(message_.size()))
-    return end("the disk is slower than the world; what waited for it is " +
-               std::to_string(kQueueBytes >> 20) + " MiB");
-  queue_.push(message_.data(), message_.size());
+  if (!hand_over(std::as_bytes(std::span(&head, 1)), data))
+    end("the disk is slower than the world; what waited for it is " + std::to_string(kWaitingBytes >> 20) +
+        " MiB");
 }
 
-bool RecordingWriter::make_room(std::size_t bytes) {
-  if (queue_.write_available() >= bytes) return true;
+bool RecordingWriter::hand_over(Bytes head, Bytes data) {
+  if (handover_.put(head, data)) return true;
   if (overflow_ == Overflow::kEnd) return false;
   const auto give_up = Clock::now() + kPatience;
-  while (queue_.write_available() < bytes && Clock::now() < give_up && !ended())
+  while (Clock::now() < give_up && !ended()) {
     std::this_thread::sleep_for(kRoom);
-  return queue_.write_available() >= bytes;
+    if (handover_.put(head, data)) return true;
+  }
+  return false;
 }
 
 void RecordingWriter::put_line(std::uint16_t channel, std::vector<std::byte> data) {
@@ -123,6 +121,8 @@ void RecordingWriter::run() try {
     writer_.flush();
     flushed = Clock::now();
   }
+  while (work()) {  // nobody puts any more
+  }
   // A recording that ended early gets no end, so that whoever reads it is told that something is missing.
   if (ended())
     writer_.flush();
@@ -134,17 +134,19 @@ void RecordingWriter::run() try {
   end(error.what());
 }
 
-void RecordingWriter::work() {
+bool RecordingWriter::work() {
   write_lines();
-  Head head{};
-  while (queue_.read_available() >= sizeof head) {
-    queue_.pop(reinterpret_cast<std::byte*>(&head), sizeof head);
-    taken_.resize(head.size);
-    queue_.pop(taken_.data(), head.size);
+  const auto all = handover_.take();
+  for (auto left = all; !left.empty();) {
+    Head head{};
+    std::memcpy(&head, left.data(), sizeof head);
+    const auto data = left.subspan(sizeof head, head.size);
+    left = left.subspan(sizeof head + head.size);
     last_log_ns_ = head.log_time_ns;
     last_publish_ns_ = head.publish_time_ns;
-    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, taken_);
+    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, data);
   }
+  return !all.empty();
 }
 
 void RecordingWriter::write_lines() {
