@@ -3,11 +3,18 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
+import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-BIN = pathlib.Path(os.environ.get("VISUM_BIN", SOURCE / "build" / "dev" / "bin"))
+BIN = pathlib.Path(os.environ.get("VISUM_BIN", SOURCE / "build" / "dev" / "bin")).resolve()
 ARM = SOURCE / "models" / "scenes" / "amtec_arm.yaml"
 DEADLINE_S = 240  # a guard against hanging for ever, not a measure
+
+# Runs that fail leave a recording where they work: in a folder that goes with the test.
+sys.path.insert(0, str(SOURCE / "tests" / "clients"))
+PLACE = tempfile.TemporaryDirectory(prefix="visum_clients_test_")
+os.chdir(PLACE.name)
 
 
 def visum(*words, expect=0, env=None, **more):
