@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from functools import lru_cache
+from math import floor as floored
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from visum.trig import hypotenuse, sin_cos, sine
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
 SIDE = 2 * HALF_SIZE
+MIDDLE = HALF_SIZE * SIDE + HALF_SIZE  # the number of the cell in which the cart starts
 BORDER = 20  # cells
 BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
 # The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a
@@ -216,7 +218,7 @@ def direction_of(heading: float) -> int:
 
 def cell_number(x: float, y: float) -> int:
     """Counts the cells of cell_of() row by row."""
-    return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
+    return floored(x / CELL) * SIDE + floored(y / CELL) + MIDDLE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -248,7 +250,6 @@ class Steps:
         ends = [along(start, move) for move in MOVES]
         self.to = [(end.x, end.y, end.heading, direction_of(end.heading)) for end in ends]
         self.centre = ahead(start, CENTRE_AT)
-        self.circles = circles(start)
         self.circles_at_end = [circles(end) for end in ends]
         self.halfway = [(half.x, half.y, circles(half)) for half in (along(start, half) for half in HALVES)]
 
@@ -256,7 +257,8 @@ class Steps:
 def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:
     """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
     for i, j in covering:
-        if not passable[cell_number(x + i, y + j)]:
+        # The cell_number() once more: most of a search's time is spent here.
+        if not passable[floored((x + i) / CELL) * SIDE + floored((y + j) / CELL) + MIDDLE]:
             return False
     return True
 
@@ -268,21 +270,21 @@ def find_way(floor: FloorMap, start: Pose) -> list[Move]:
     worthwhile = (floor.gain() >= floor.worthwhile).tobytes()
     # A node is a cell with a direction.
     first = cell_number(start.x, start.y) * HEADINGS + direction_of(start.heading)
-    open_list: list[tuple[float, int, float, float, float, int, int | None, Move | None]] = [
-        (0.0, 0, *start, first, None, None)]
+    room_at_start = fits(roomy, start.x, start.y, circles(start))
+    open_list: list[tuple[float, int, float, float, float, int, bool, int | None, Move | None]] = [
+        (0.0, 0, *start, first, room_at_start, None, None)]
     came: dict[int, tuple[int | None, Move | None]] = {}
     cheapest: dict[int, float] = {first: 0.0}
     steps_from: dict[float, Steps] = {}
     count = 0
     while open_list and len(came) < MOST_POSES:
-        cost, _, x, y, heading, here, before, last = heapq.heappop(open_list)
+        cost, _, x, y, heading, here, has_room, before, last = heapq.heappop(open_list)
         if here in came:
             continue
         came[here] = before, last
         if heading not in steps_from:
             steps_from[heading] = Steps(heading)
         steps = steps_from[heading]
-        has_room = fits(roomy, x, y, steps.circles)
         if last and has_room and worthwhile[cell_number(x + steps.centre[0], y + steps.centre[1])]:
             return way_to(came, here)
         for k, more in NEXT[last]:
@@ -294,7 +296,8 @@ def find_way(floor: FloorMap, start: Pose) -> list[Move]:
                 continue
             half_x, half_y, halfway = steps.halfway[k]
             half_x, half_y, at_end = x + half_x, y + half_y, steps.circles_at_end[k]
-            if not (fits(roomy, half_x, half_y, halfway) and fits(roomy, end_x, end_y, at_end)):
+            room_at_end = fits(roomy, end_x, end_y, at_end)
+            if not (room_at_end and fits(roomy, half_x, half_y, halfway)):
                 if has_room or not (fits(tight, half_x, half_y, halfway) and fits(tight, end_x, end_y, at_end)):
                     continue
                 more += TIGHT
@@ -302,7 +305,7 @@ def find_way(floor: FloorMap, start: Pose) -> list[Move]:
                     continue
             cheapest[end] = cost + more
             count += 1
-            heapq.heappush(open_list, (cost + more, count, end_x, end_y, turned, end, here, MOVES[k]))
+            heapq.heappush(open_list, (cost + more, count, end_x, end_y, turned, end, room_at_end, here, MOVES[k]))
     return []
 
 
