@@ -5,14 +5,13 @@
 namespace visum::recording {
 namespace {
 
-constexpr int kFastest =
-    -1;  // half the time of level 1, 3 % more bytes; level 3 saves 5 % more, for 3 times that
+constexpr int kLevel = -1;  // level 1 saves 3 % more bytes in twice the time, level 3 another 2 % in 4 times
 
 }  // namespace
 
 bool compress(Bytes plain, std::vector<std::byte>& to) {
   to.resize(ZSTD_compressBound(plain.size()));
-  const std::size_t size = ZSTD_compress(to.data(), to.size(), plain.data(), plain.size(), kFastest);
+  const std::size_t size = ZSTD_compress(to.data(), to.size(), plain.data(), plain.size(), kLevel);
   if (ZSTD_isError(size) != 0 || size >= plain.size()) return false;
   to.resize(size);
   return true;

@@ -18,10 +18,6 @@ std::string hex(std::uint64_t number) {
   return text;
 }
 
-bool is_hashed(const recording::Difference& at) {
-  return at.recorded_hash != recording::kNoHash;
-}
-
 std::string exact(double number) {
   char text[32];
   std::snprintf(text, sizeof text, "%.17g", number);
@@ -47,8 +43,7 @@ void print(const recording::Replay& replay) {
   if (!replay.equal) {
     const auto& at = replay.difference;
     std::cout << "DIFFERENT at tick " << at.tick << " of era " << at.era << " (" << seconds(at.sim_time_ns)
-              << "): " << at.what << "\n  state hash recorded "
-              << (is_hashed(at) ? hex(at.recorded_hash) : "not in this tick") << ", replayed "
+              << "): " << at.what << "\n  state hash recorded " << hex(at.recorded_hash) << ", replayed "
               << hex(at.replayed_hash) << "\n";
     for (const auto& port : at.ports)
       std::cout << "  " << port.part << ": " << port.port << " recorded " << exact(port.recorded)
@@ -76,8 +71,7 @@ void print_as_json(const recording::Replay& replay) {
                ",\"replayed\":" + protocol::json_quoted(exact(port.replayed)) + "}";
     std::cout << ",\"difference\":{\"tick\":" << at.tick << ",\"era\":" << at.era
               << ",\"sim_time_ns\":" << at.sim_time_ns << ",\"what\":" << protocol::json_quoted(at.what)
-              << ",\"recorded_hash\":"
-              << (is_hashed(at) ? protocol::json_quoted(hex(at.recorded_hash)) : "null")
+              << ",\"recorded_hash\":" << protocol::json_quoted(hex(at.recorded_hash))
               << ",\"replayed_hash\":" << protocol::json_quoted(hex(at.replayed_hash))
               << ",\"other_build\":" << protocol::json_quoted(other_build(replay)) << ",\"ports\":[" << ports
               << "]}";

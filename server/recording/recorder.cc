@@ -67,13 +67,7 @@ Recorder::~Recorder() {
   close();
 }
 
-void Recorder::end() {
-  put_last_tick();
-  simulation_.set_second_observer(nullptr);
-}
-
 bool Recorder::close() {
-  put_last_tick();
   if (!is_second_) simulation_.set_observer(nullptr);
   return writer_->close();
 }
@@ -84,7 +78,6 @@ void Recorder::put(std::uint16_t channel, std::int64_t publish_time_ns) {
 
 void Recorder::took(const TimedInput& input) try {
   if (writer_->ended()) return;
-  put_tick(Hash::kLeftOut);
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
@@ -95,45 +88,23 @@ void Recorder::took(const TimedInput& input) try {
 
 void Recorder::ticked() try {
   if (writer_->ended()) return;
-  put_tick(Hash::kLeftOut);
   time_ns_ += static_cast<std::uint64_t>(simulation_.model().tick_ns);
-  put_parts();
-  waiting_ = {simulation_.tick_count(), simulation_.era(), simulation_.sim_time_ns(), kNoHash, {}};
-  waits_ = true;
-  const bool state_is_due = time_ns_ >= next_state_ns_ && !simulation_.frozen();
-  if (state_is_due || simulation_.frozen() || waiting_.tick % kHashEvery == 0) put_tick(Hash::kTaken);
-  if (state_is_due) put_state();
-} catch (const std::bad_alloc&) {
-  writer_->end(kNoMemory);
-}
-
-void Recorder::put_parts() {
+  const auto tick = simulation_.tick_count();
+  const auto time_ns = simulation_.sim_time_ns();
   const auto parts = std::as_const(simulation_).parts();
   look_at_parts();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     bytes_.clear();
-    encode(Sample{parts[i].part->description().name, simulation_.tick_count(), simulation_.sim_time_ns(),
-                  simulation_.era(), parts[i].controller_inputs, parts[i].sensor_outputs},
+    encode(Sample{parts[i].part->description().name, tick, time_ns, simulation_.era(),
+                  parts[i].controller_inputs, parts[i].sensor_outputs},
            bytes_);
-    put(channel_of_[i], simulation_.sim_time_ns());
-  }
-}
-
-// A world freezes in a tick: the fault is that of the tick whose hash is taken there.
-void Recorder::put_tick(Hash hash) {
-  if (!std::exchange(waits_, false)) return;
-  if (hash == Hash::kTaken) {
-    waiting_.state_hash = simulation_.state_hash();
-    waiting_.fault = simulation_.fault();
+    put(channel_of_[i], time_ns);
   }
   bytes_.clear();
-  encode(waiting_, bytes_);
-  put(channels_.ticks, waiting_.sim_time_ns);
-}
-
-// Within a tick that was abandoned, the state is no more as the last one left it.
-void Recorder::put_last_tick() try {
-  if (!writer_->ended()) put_tick(simulation_.working().tick() == 0 ? Hash::kTaken : Hash::kLeftOut);
+  encode(Tick{tick, simulation_.era(), time_ns, simulation_.state_hash(), simulation_.fault()}, bytes_);
+  put(channels_.ticks, time_ns);
+  if (time_ns_ < next_state_ns_ || simulation_.frozen()) return;
+  put_state();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
 }

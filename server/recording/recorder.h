@@ -1,6 +1,6 @@
 // Records a world in a file that holds everything that a replay needs: the scene's files, each input that the
-// world took between ticks, after each tick every port, and after every tenth and the last one the hash of
-// the state. Once per simulated second it adds the whole state, so that a player can seek.
+// world took between ticks, and after each tick every port and the hash of the state. Once per simulated
+// second it adds the whole state, so that a player can seek.
 //
 // Lives on the tick's thread and never makes a realtime tick wait: a thread of its own writes the file
 // (recording_writer.h). Where the disk fails, the recording ends, the log says so, and the world goes on.
@@ -34,7 +34,7 @@ class Recorder : public cycle::Observer {
                                            const std::filesystem::path& file);
   void begin();
   void write_first();
-  void end();
+  void end() { simulation_.set_second_observer(nullptr); }
 
   // Observes no more and completes the file. Returns whether it holds all that happened; the log has said why
   // not.
@@ -45,18 +45,11 @@ class Recorder : public cycle::Observer {
   void log(std::string_view level, std::string_view text);  // any thread
 
  private:
-  static constexpr std::int64_t kHashEvery = 10;  // ticks: a hash costs a twentieth of a tick
-
   enum class Start { kNow, kLater };
   Recorder(cycle::Simulation& simulation, const Origin& origin, const std::filesystem::path& file,
            Start start);
   void put(std::uint16_t channel, std::int64_t publish_time_ns);  // hands bytes_ to the writer
-  void put_parts();                                               // their ports
-  // Hands over the tick that waits, if there is one.
-  enum class Hash { kTaken, kLeftOut };
-  void put_tick(Hash hash);
-  void put_last_tick();
-  void take_state();  // encodes the whole state into bytes_
+  void take_state();                                              // encodes the whole state into bytes_
   void put_state();
   // Finds the channel of each part, once the parts are others, and describes those that came.
   void look_at_parts();
@@ -67,10 +60,6 @@ class Recorder : public cycle::Observer {
   Channels channels_;
   std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras
   std::uint64_t next_state_ns_ = 1'000'000'000;  // of time_ns_: when the next whole state is due
-  // A tick whose hash is not due waits until something follows, so that the last one of a recording gets its
-  // hash: until then the state stays as the tick left it.
-  Tick waiting_;
-  bool waits_ = false;
   State state_;
   State first_;  // from begin() to write_first()
   // The parts of the beginning, by their channels, kept so that none is taken for another; and the channel of

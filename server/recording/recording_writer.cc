@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -17,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRound{10};   // how often the thread looks for messages
+constexpr milliseconds kRound{10};   // how often the thread looks at its queue
 constexpr milliseconds kFlush{500};  // how long a message waits for its chunk to be full
 constexpr milliseconds kRoom{1};     // how often the tick's thread looks for room
 constexpr std::chrono::seconds kPatience{10};
@@ -76,27 +77,25 @@ void RecordingWriter::put_first(std::uint16_t channel, std::uint64_t publish_tim
 
 // Where the tick waits for room anyway, the answer must not depend on the disk: equal runs make equal files.
 bool RecordingWriter::has_room_for(std::size_t bytes) const {
-  return bytes <= (overflow_ == Overflow::kWait ? kWaitingBytes : handover_.room()) / 2;
+  return bytes <= (overflow_ == Overflow::kWait ? kQueueBytes : queue_.room()) / 2;
 }
 
 void RecordingWriter::put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                           Bytes data) {
   if (ended()) return;
   const Head head{channel, static_cast<std::uint32_t>(data.size()), log_time_ns, publish_time_ns};
-  if (!hand_over(std::as_bytes(std::span(&head, 1)), data))
-    end("the disk is slower than the world; what waited for it is " + std::to_string(kWaitingBytes >> 20) +
+  const std::array pieces{std::as_bytes(std::span(&head, 1)), data};
+  if (!make_room(sizeof head + data.size()) || !queue_.put(pieces))
+    end("the disk is slower than the world; what waited for it is " + std::to_string(kQueueBytes >> 20) +
         " MiB");
 }
 
-bool RecordingWriter::hand_over(Bytes head, Bytes data) {
-  if (handover_.put(head, data)) return true;
+bool RecordingWriter::make_room(std::size_t bytes) {
+  if (queue_.room() >= bytes) return true;
   if (overflow_ == Overflow::kEnd) return false;
   const auto give_up = Clock::now() + kPatience;
-  while (Clock::now() < give_up && !ended()) {
-    std::this_thread::sleep_for(kRoom);
-    if (handover_.put(head, data)) return true;
-  }
-  return false;
+  while (queue_.room() < bytes && Clock::now() < give_up && !ended()) std::this_thread::sleep_for(kRoom);
+  return queue_.room() >= bytes;
 }
 
 void RecordingWriter::put_line(std::uint16_t channel, std::vector<std::byte> data) {
@@ -121,8 +120,6 @@ void RecordingWriter::run() try {
     writer_.flush();
     flushed = Clock::now();
   }
-  while (work()) {  // nobody puts any more
-  }
   // A recording that ended early gets no end, so that whoever reads it is told that something is missing.
   if (ended())
     writer_.flush();
@@ -134,19 +131,17 @@ void RecordingWriter::run() try {
   end(error.what());
 }
 
-bool RecordingWriter::work() {
+void RecordingWriter::work() {
   write_lines();
-  const auto all = handover_.take();
-  for (auto left = all; !left.empty();) {
-    Head head{};
-    std::memcpy(&head, left.data(), sizeof head);
-    const auto data = left.subspan(sizeof head, head.size);
-    left = left.subspan(sizeof head + head.size);
+  Head head{};
+  while (queue_.waiting() > 0) {
+    queue_.take(std::as_writable_bytes(std::span(&head, 1)));
+    taken_.resize(head.size);
+    queue_.take(taken_);
     last_log_ns_ = head.log_time_ns;
     last_publish_ns_ = head.publish_time_ns;
-    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, data);
+    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, taken_);
   }
-  return !all.empty();
 }
 
 void RecordingWriter::write_lines() {

@@ -1,6 +1,5 @@
 // Replays a recording: a fresh world, made of the files in the recording, takes the same inputs between the
-// same ticks. After each tick its hash is compared with the recorded one, or its ports where no hash was
-// recorded. Any one thread.
+// same ticks, and after each tick its hash is compared with the recorded one. Any one thread.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +25,7 @@ struct Difference {
   std::int64_t tick = 0;
   std::uint64_t era = 0;
   std::int64_t sim_time_ns = 0;
-  std::uint64_t recorded_hash = kNoHash, replayed_hash = 0;
+  std::uint64_t recorded_hash = 0, replayed_hash = 0;
   std::string what;                   // says in words what differs
   std::vector<PortDifference> ports;  // the ports that differ, kMaxPorts at most
   static constexpr std::size_t kMaxPorts = 10;

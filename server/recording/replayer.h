@@ -64,7 +64,6 @@ class Replayer {
   std::map<std::string, protocol::PartSample> samples_;
   Replay result_;
   std::optional<RecordingFile::Item> ahead_;  // read but not yet taken
-  std::uint64_t unhashed_ = 0;                // ticks since the state was last compared
   bool begun_ = false;                        // the first record was taken
   bool over_ = false;
 };

@@ -95,7 +95,7 @@ sensors:
 )";
 }
 
-// A state serves seeking only, unless the recording begins with it. It may be longer than what may wait.
+// A state serves seeking only, unless the recording begins with it. It may be longer than the queue.
 TEST(Recorder, AStateThatIsTooLongIsLeftOutAndTheRecordingGoesOn) {
   const test::TempFiles files;
   const auto first = files.folder() / "first.mcap", second = files.folder() / "second.mcap";
@@ -111,7 +111,7 @@ TEST(Recorder, AStateThatIsTooLongIsLeftOutAndTheRecordingGoesOn) {
   simulation.keep(whole);
   std::vector<std::byte> bytes;
   encode(whole, bytes);
-  ASSERT_GT(bytes.size(), RecordingWriter::kWaitingBytes);
+  ASSERT_GT(bytes.size(), RecordingWriter::kQueueBytes);
   auto [again, origin] = rewind(first, std::numeric_limits<double>::infinity(), {});
   EXPECT_EQ(again->tick_count(), 140);
   EXPECT_EQ(again->state_hash(), simulation.state_hash());
