@@ -6,9 +6,10 @@
 namespace visum::drive {
 namespace {
 
-// Calls `visit` for every field once: save() and load() thus agree.
+// Calls `visit` for every field once: save() and load() thus agree. Always inlined, so that the place of the
+// next byte stays in a register: a store of bytes could change whatever lies in memory.
 template <typename State, typename Visit>
-void visit_fields(State& s, Visit visit) {
+[[gnu::always_inline]] inline void visit_fields(State& s, Visit visit) {
   visit(s.rotor_position), visit(s.rotor_speed);
   for (auto& position : s.joint_position) visit(position);
   visit(s.gear_effort);

@@ -56,7 +56,7 @@ struct MotionLimits {
 
 // Calls `visit` for every field once: saving and loading thus agree.
 template <typename State, typename Visit>
-void visit_motion(State& m, Visit visit) {
+[[gnu::always_inline]] inline void visit_motion(State& m, Visit visit) {
   visit(m.kind), visit(m.target), visit(m.speed), visit(m.acceleration), visit(m.duration_s);
   visit(m.remaining_s), visit(m.goes_on), visit(m.in_progress);
   visit(m.queued), visit(m.next_target), visit(m.next_duration_s), visit(m.still_s);

@@ -18,7 +18,7 @@ constexpr double kCam_rad = 0.02, kCam_m = 0.001;
 
 // Calls `visit` for every field once: save() and load() thus agree.
 template <typename State, typename Visit>
-void visit_fields(State& s, Visit visit) {
+[[gnu::always_inline]] inline void visit_fields(State& s, Visit visit) {
   visit(s.address), visit(s.config), visit(s.target_speed), visit(s.target_acceleration);
   visit(s.target_position), visit(s.move_mode), visit(s.previous_position), visit(s.saved_position);
   visit(s.outputs), visit(s.burn_count), visit(s.deferred);
