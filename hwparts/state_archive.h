@@ -35,7 +35,8 @@ class StateWriter {
   }
 
   // Saves many fields in a row: `save` gets a Run to put them to. They take at most `most` bytes. That is one
-  // store for each field; through the writer itself each store waits for the one before.
+  // store for each field; through the writer itself each store waits for the one before. So it does where
+  // `save` calls a function that is not inlined: the Run lies in memory then, which a store might change.
   class Run {
    public:
     explicit Run(std::byte* next) : next_(next) {}

@@ -5,9 +5,9 @@
 namespace visum::recording {
 
 void Crc32::add(Bytes bytes) {
+  if (bytes.empty()) return;  // for a null pointer zlib begins anew
   const auto* const data = reinterpret_cast<const unsigned char*>(bytes.data());
-  if (data)
-    value_ = static_cast<std::uint32_t>(::crc32_z(value_, data, bytes.size()));  // null would ask for 0
+  value_ = static_cast<std::uint32_t>(::crc32_z(value_, data, bytes.size()));
 }
 
 std::uint32_t crc32(Bytes bytes) {

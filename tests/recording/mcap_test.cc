@@ -173,5 +173,12 @@ TEST(Crc32, IsTheOneOfTheStandards) {
   EXPECT_EQ(crc32({}), 0u);
 }
 
+TEST(Crc32, IsTheSameInPieces) {
+  Crc32 crc;
+  for (const std::string_view piece : {"1234", "", "5", "6789"}) crc.add(bytes_of(piece));
+  crc.add({});  // no bytes, and a null pointer
+  EXPECT_EQ(crc.value(), 0xCBF43926u);
+}
+
 }  // namespace
 }  // namespace visum::recording

@@ -9,7 +9,6 @@ from __future__ import annotations
 import heapq
 import math
 from functools import lru_cache
-from math import floor as floored
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from visum.trig import hypotenuse, sin_cos, sine
 CELL = 0.05  # m
 HALF_SIZE = 160  # cells: the map reaches 8 m each way
 SIDE = 2 * HALF_SIZE
-MIDDLE = HALF_SIZE * SIDE + HALF_SIZE  # the number of the cell in which the cart starts
 BORDER = 20  # cells
 BETWEEN_RAYS = 0.1  # m: nothing hides so near to free floor
 # The evidence that a ray adds to the cell at its end and to the cells on its path, and the limits of a
@@ -218,7 +216,7 @@ def direction_of(heading: float) -> int:
 
 def cell_number(x: float, y: float) -> int:
     """Counts the cells of cell_of() row by row."""
-    return floored(x / CELL) * SIDE + floored(y / CELL) + MIDDLE
+    return (math.floor(x / CELL) + HALF_SIZE) * SIDE + math.floor(y / CELL) + HALF_SIZE
 
 
 def swerves(last: Move, move: Move) -> bool:
@@ -257,8 +255,7 @@ class Steps:
 def fits(passable: bytes, x: float, y: float, covering: list[tuple[float, float]]) -> bool:
     """True if the cart may be at a place: what is `passable` row by row, and its circles from that place."""
     for i, j in covering:
-        # The cell_number() once more: most of a search's time is spent here.
-        if not passable[floored((x + i) / CELL) * SIDE + floored((y + j) / CELL) + MIDDLE]:
+        if not passable[cell_number(x + i, y + j)]:
             return False
     return True
 
