@@ -6,7 +6,8 @@
 namespace visum::drive {
 namespace {
 
-// Calls `visit` for every field once: save() and load() thus agree. Always inlined for StateWriter::put_run().
+// Calls `visit` for every field once: save() and load() thus agree. StateWriter::put_run() needs it
+// inlined.
 template <typename State, typename Visit>
 [[gnu::always_inline]] inline void visit_fields(State& s, Visit visit) {
   visit(s.rotor_position), visit(s.rotor_speed);

@@ -54,7 +54,8 @@ struct MotionLimits {
   double acceleration;  // [u]/s²
 };
 
-// Calls `visit` for every field once: saving and loading thus agree. Always inlined for StateWriter::put_run().
+// Calls `visit` for every field once: saving and loading thus agree. StateWriter::put_run() needs it
+// inlined.
 template <typename State, typename Visit>
 [[gnu::always_inline]] inline void visit_motion(State& m, Visit visit) {
   visit(m.kind), visit(m.target), visit(m.speed), visit(m.acceleration), visit(m.duration_s);

@@ -16,7 +16,8 @@ namespace bit = drive::state_bit;
 // The reference switch is on over this distance below home. A guess.
 constexpr double kCam_rad = 0.02, kCam_m = 0.001;
 
-// Calls `visit` for every field once: save() and load() thus agree. Always inlined for StateWriter::put_run().
+// Calls `visit` for every field once: save() and load() thus agree. StateWriter::put_run() needs it
+// inlined.
 template <typename State, typename Visit>
 [[gnu::always_inline]] inline void visit_fields(State& s, Visit visit) {
   visit(s.address), visit(s.config), visit(s.target_speed), visit(s.target_acceleration);

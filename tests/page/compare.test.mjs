@@ -161,7 +161,8 @@ pageTest("a port that differs is plotted from both recordings", async (page, cla
   });
 
   await claim("while A plays, B's line goes on beside it", async () => {
-    await page.getByRole("combobox", { name: "Speed" }).selectOption("0.1×"); // a late press at A's end would play it again
+    // At A's end a late press would play it again
+    await page.getByRole("combobox", { name: "Speed" }).selectOption("0.1×");
     await button(page, "Run").click();
     await until(page, (time) => visum.simTime() > time, (kParting + 300) / 1000);
     await button(page, "Pause").click();

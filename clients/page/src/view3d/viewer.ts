@@ -13,8 +13,8 @@ import { drawStereo, picturesOf, type Picture, type StereoSettings } from "./ste
 const kMostPixelRatio = 2;
 const kExposure = 1.05;
 const kDarkExposure = 0.42;
-// m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture. The arm trembles
-// by up to 3e-5 where a drive hunts for an increment of its encoder.
+// m, rad, or of a quaternion: a body held by its drives trembles less, and needs no new picture. The arm
+// trembles by up to 3e-5 where a drive hunts for an increment of its encoder.
 export const kInvisible = 1e-4;
 
 export class Viewer {
