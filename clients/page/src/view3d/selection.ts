@@ -96,6 +96,7 @@ export class Selection {
 
   private toggleFollow(): void {
     this.viewer.followed = this.isFollowed() ? "" : this.name;
+    this.viewer.redraw(); // the camera takes hold of the body where it is drawn
     this.follow.setAttribute("aria-pressed", String(this.isFollowed()));
   }
 
