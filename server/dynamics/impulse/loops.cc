@@ -13,8 +13,11 @@ constexpr double kNearlySingular =
     3e-4;  // share of a row's free response; a four-bar has it within 0.03 rad of the line
 constexpr double kForeseeable = 3e-3;  // the least such share with which joints are foreseen
 
-constexpr std::uint64_t kMostLoopRows = 6;                       // that one joint holds
-constexpr std::uint64_t kMostBundles = 2, kBundleProducts = 16;  // bundles of these; products at a place
+// The most rows that one joint holds, in space and in a plane, their bundles, and products at a place.
+constexpr std::uint64_t kMostLoopRows = 6, kMostPlanarRows = 2, kBundleProducts = 16;
+constexpr std::uint64_t bundles_of(std::uint64_t rows) {
+  return (rows + Tree::kMostTogether - 1) / Tree::kMostTogether;
+}
 
 }  // namespace
 
@@ -68,6 +71,7 @@ void Mechanism::find_loop_neighbours() {
   for (std::size_t i = 0; i < loops_.size(); ++i) {
     loop_ends_.push_back({loops_[i].a, loops_[i].b, node_of(loops_[i].a), node_of(loops_[i].b)});
     loop_parts_.push_back(parts(loop_ends_[i]));
+    loop_normals_.push_back(find_normal(i));
     const auto share = [&](std::size_t j) {
       for (const int part : loop_parts_[i])
         if (part >= 0 && (part == loop_parts_[j][0] || part == loop_parts_[j][1])) return true;
@@ -86,16 +90,19 @@ void Mechanism::count_units() {
   for (std::size_t node = 0; node < size(); ++node)
     part_size[static_cast<std::size_t>(tree_.part(node))] +=
         tree_.node(node).joint < 0 ? 6 : static_cast<std::uint64_t>(std::max(1, tree_.node(node).freedoms));
+  const auto most_rows = [&](std::size_t i) { return is_planar(i) ? kMostPlanarRows : kMostLoopRows; };
   std::uint64_t steps = 0, entries = 0, products = 0;
   for (std::size_t i = 0; i < loops_.size(); ++i) {
-    std::uint64_t way = 0;
+    std::uint64_t way = 0, width = 0, bundles = 0;
     for (const int part : loop_parts_[i])
       if (part >= 0) way += part_size[static_cast<std::size_t>(part)];
-    const std::uint64_t width = kMostLoopRows * (i + 1 - first_neighbour_[i]);
-    steps += kMostBundles * way;
-    entries += kMostLoopRows * width;
-    products += kMostLoopRows * width * width;
-    products += kBundleProducts * kMostBundles * kMostBundles * (i + 1 - first_neighbour_[i]) * way;
+    for (std::size_t k = first_neighbour_[i]; k <= i; ++k) {
+      width += most_rows(k);
+      bundles += bundles_of(most_rows(k));
+    }
+    steps += bundles_of(most_rows(i)) * way;
+    entries += most_rows(i) * width;
+    products += most_rows(i) * width * width + kBundleProducts * bundles_of(most_rows(i)) * bundles * way;
   }
   pass_units_ = WorkBudget::kPerNode * size() + 2 * entries / WorkBudget::kMultiplications;
   factor_units_ = WorkBudget::kPerNode * steps + entries + products / WorkBudget::kMultiplications;

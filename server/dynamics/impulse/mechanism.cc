@@ -183,7 +183,7 @@ bool Mechanism::place(const Bodies& bodies, const world::WorldState& state) {
     if (stands && is_of_bodies_alone(loops_[i])) continue;
     JointPose& pose = poses_[size() + i];
     pose = pose_now(loops_[i], bodies, state.joints[loops_[i].id.index()].position);
-    loop_held_[i] = held_directions(loops_[i], pose);
+    loop_held_[i] = held_by_loop(i);
   }
   axes_changed_ = false;
   placed_at_ = bodies.placements();

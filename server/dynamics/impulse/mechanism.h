@@ -140,6 +140,12 @@ class Mechanism {
   void count_units();
   // Finds, for each loop, the first loop that shares a part of the tree with it.
   void find_loop_neighbours();
+  // The normal of the plane that a loop moves in, in B's P axes (planar_loops.cc); zero: it has none.
+  Vector3d find_normal(std::size_t loop) const;
+  Vector3d first_hinge_above(int node) const;
+  bool is_planar(std::size_t loop) const { return !loop_normals_[loop].isZero(0.0); }
+  // The directions that its joint holds in the present pose: those that the tree can move.
+  Held held_by_loop(std::size_t loop) const;
   // Computes the rows of all loops in the present poses.
   void place_loop_rows(const Bodies& bodies);
   // Makes and factors G T^-1 G^T (loops.cc).
@@ -179,6 +185,7 @@ class Mechanism {
   std::vector<JointSpec> loops_;
   std::vector<Held> loop_held_;
   std::vector<PathEnds> loop_ends_;
+  std::vector<Vector3d> loop_normals_;  // find_normal(), by loop
   std::vector<std::array<int, 2>>
       loop_parts_;  // by loop: the parts of the tree that it joins; -1: does not move
   std::vector<std::size_t> first_neighbour_;  // by loop: the first loop that shares a part with it
