@@ -54,6 +54,7 @@ std::vector<SceneCase> scene_cases() {
   for (const int count : {1, 10, 100}) {
     add("quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kByFriction), 500);
     add("sprung_quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kBySprings), 500);
+    add("linkages", count, standing_linkages(any_engine(), kTick, count), 500);
   }
   return cases;
 }

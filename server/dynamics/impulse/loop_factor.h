@@ -33,6 +33,9 @@ class LoopFactor {
   double& at(std::size_t i, std::size_t j) { return lower_[start_[i] + j - first_of(i)]; }
   void factor();
   void solve(std::vector<double>& b);  // solves for the first size() numbers of b, in place
+  // With L L^T the factored system: replaces C, size() rows of `n` numbers, by Y = L^-1 C. Then
+  // C^T (L L^T)^-1 C = Y^T Y. The rows of Y come in the factor's own order.
+  void halfway(std::vector<double>& C, std::size_t n);
 
  private:
   struct Block {
@@ -58,7 +61,7 @@ class LoopFactor {
   std::vector<double> pivots_;            // what remains of each row of the present block
   std::vector<double> inverse_diagonal_;  // of the factor; 0: left out
   std::vector<char> left_out_;            // by row
-  std::vector<double> sorted_;
+  std::vector<double> sorted_, halfway_;
   double least_share_ = 1.0;
 };
 

@@ -220,4 +220,21 @@ void Mechanism::solve() {
   tree_.solve();
 }
 
+// Row i of G T^-1 J^T is what the impulses J do to row i of the loops:
+//   J (T^-1 - T^-1 G^T (G T^-1 G^T)^-1 G T^-1) J^T
+void Mechanism::hold_responses(std::size_t n, double* W) {
+  if (solved_rows_.empty()) return;
+  held_.resize(solved_rows_.size() * n);
+  for (const Bundle& bundle : bundles_)
+    for (std::size_t i = 0; i < bundle.rows; ++i)
+      tree_.find_responses_to(std::span(loop_ways_).subspan(bundle.way, bundle.places), bundle.lanes[i],
+                              &held_[(bundle.first + i) * n]);
+  loop_factor_.halfway(held_, n);
+  for (std::size_t row = 0; row < solved_rows_.size(); ++row) {
+    const double* held = &held_[row * n];
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; held[i] != 0.0 && j < n; ++j) W[i * n + j] -= held[i] * held[j];
+  }
+}
+
 }  // namespace visum::dynamics::impulse

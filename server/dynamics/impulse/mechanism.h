@@ -92,6 +92,9 @@ class Mechanism {
   // Answers what has been asked and pushed since clear(), loops included.
   void solve();
   double rate(const PathMotion& line) const;  // in the answer, m/s or rad/s
+  // `W`: what the tree alone found for the `n` impulses that it has followed (Tree::find_response). Takes
+  // away what the loops hold.
+  void hold_responses(std::size_t n, double* W);
   double free_response(const PathMotion& line,
                        const Bodies& bodies) const;          // to itself, as if nothing were jointed
   void apply(Bodies& bodies) const { tree_.apply(bodies); }  // adds the answer to the bodies' velocities
@@ -199,6 +202,7 @@ class Mechanism {
   std::vector<Tree::WayPoint> loop_ways_;
   LoopFactor loop_factor_;
   std::vector<double> loop_errors_;  // by solved row: what is missing; after solve() the impulse
+  std::vector<double> held_;         // by solved row: what each of the impulses followed does to it
   std::uint64_t pass_units_ = 0, factor_units_ = 0;
   Prediction prediction_;
   std::vector<double> foreseen_axis_;

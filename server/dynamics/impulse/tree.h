@@ -76,6 +76,13 @@ class Tree {
 
   void solve();
 
+  // A place on the way of up to four impulses: an axis, or one coordinate of a free root. Each impulse gives
+  // it something (N·s or N·m·s), and it answers with a velocity (m/s or rad/s).
+  struct WayPoint {
+    std::size_t place = 0;  // a row; behind the rows, six for each root
+    Eigen::Vector4d given, answer;
+  };
+
   // The response of unit impulses to each other (tree_response.cc). Order of calls, any time after factor():
   // begin_traces() with the number of impulses, trace() for all of them, find_response(). `W`: as many rows
   // and columns as there are impulses. An impulse has one or two ends, each made by push_at() (node -1: does
@@ -87,14 +94,10 @@ class Tree {
   void trace(std::span<const TreePush> a, std::span<const TreePush> b);
   std::size_t step_count() const { return step_count_; }  // axes on all ways to the root
   void find_response(double* W);
+  // Writes how each of them responds to impulse `lane` of another way.
+  void find_responses_to(std::span<const WayPoint> way, int lane, double* to);
 
   // The same where most impulses have nothing to do with each other: each way is kept by itself.
-  // A place on the way of up to four impulses: an axis, or one coordinate of a free root. Each impulse gives
-  // it something (N·s or N·m·s), and it answers with a velocity (m/s or rad/s).
-  struct WayPoint {
-    std::size_t place = 0;  // a row; behind the rows, six for each root
-    Eigen::Vector4d given, answer;
-  };
   // Appends the way of up to four impulses, from the last place to the first.
   void trace(std::span<const TreePush> a, std::span<const TreePush> b, std::vector<WayPoint>& way);
   // Row i, column j: what the j-th impulse of way b does to the i-th of way a.

@@ -73,6 +73,11 @@ void Tree::find_response(double* W) {
   }
 }
 
+void Tree::find_responses_to(std::span<const WayPoint> way, int lane, double* to) {
+  for (std::size_t k = 0; k < way.size(); ++k) answers_of_way_[k] = {way[k].place, way[k].answer[lane]};
+  kernels_->sum_ways(matrix_.data(), width_, answers_of_way_.data(), way.size(), ways_.size(), to);
+}
+
 void Tree::trace(std::span<const TreePush> a, std::span<const TreePush> b, std::vector<WayPoint>& way) {
   using FourAlong = Eigen::Map<const Eigen::Vector4d>;
   std::fill(on_way_.begin() + static_cast<std::ptrdiff_t>(rows_.size() * kMostTogether), on_way_.end(), 0.0);

@@ -64,6 +64,25 @@ void hold(ModelBuilder& b, Held held) {
   }
 }
 
+// Two upright bars side by side, and a plate below that joins them, with a foot under its middle.
+void add_parallelogram(ModelBuilder& b, const std::string& name, BodyId top, const Vector3d& hip) {
+  constexpr double kBar = 0.3, kApart = 0.1;
+  const Vector3d middle = hip - kBar * Vector3d::UnitZ();
+  const BodyId plate =
+      b.add_box(name + "_plate", {kApart, 0.04, 0.02}, 0.2, at(middle.x(), middle.y(), middle.z()));
+  for (const double side : {0.5, -0.5}) {
+    const std::string bar_name = name + (side > 0.0 ? "_front" : "_back");
+    const Vector3d across = side * kApart * Vector3d::UnitX();
+    const BodyId bar = add_limb(b, bar_name, 0.3, kBar, 0.0, hip + across);
+    b.add_joint(bar_name + "_swing", JointKind::kHinge, top, bar, hip + across, Vector3d::UnitY());
+    b.add_joint(bar_name + "_ankle", JointKind::kHinge, bar, plate, middle + across, Vector3d::UnitY());
+    if (side > 0.0) b.model.joints[b.model.joints.size() - 2].friction = kHeldNm;
+  }
+  const BodyId ball =
+      b.add_sphere(name + "_foot", kFoot, 0.1, at(middle.x(), middle.y(), middle.z() - kFoot));
+  b.add_joint(name + "_sole", JointKind::kFixed, plate, ball, middle, Vector3d::UnitZ());
+}
+
 // The parts of a ragdoll: lengths and centre of a box, m, and what it hangs on, by index; -1: nothing.
 struct Part {
   const char* name;
@@ -129,6 +148,23 @@ world::WorldModel standing_quadrupeds(const world::EngineSetting& engine, double
   for (int i = 0; i < count; ++i)
     add_quadruped(b, "robot_" + std::to_string(i) + "_", kPitch * (i % kInARow), kPitch * (i / kInARow));
   hold(b, held);
+  return b.model;
+}
+
+world::WorldModel standing_linkages(const world::EngineSetting& engine, double tick_s, int count) {
+  constexpr double kHips = 0.3 + 2.0 * kFoot - kTouch;  // above the ground
+  ModelBuilder b(engine);
+  b.model.tick_ns = std::llround(1e9 * tick_s);
+  b.add_ground();
+  for (int i = 0; i < count; ++i) {
+    const std::string name = "table_" + std::to_string(i);
+    const double x = 2.0 * (i % kInARow), y = 2.0 * (i / kInARow);
+    const BodyId top = b.add_box(name, {0.6, 0.4, 0.05}, 10.4, at(x, y, kHips));
+    for (const double forward : {0.2, -0.2})
+      for (const double left : {0.15, -0.15})
+        add_parallelogram(b, name + (forward > 0.0 ? "_front" : "_hind") + (left > 0.0 ? "_left" : "_right"),
+                          top, {x + forward, y + left, kHips});
+  }
   return b.model;
 }
 

@@ -18,6 +18,10 @@ enum class Held { kByFriction, kBySprings };
 world::WorldModel standing_quadrupeds(const world::EngineSetting& engine, double tick_s, int count,
                                       Held held);
 
+// `count` tables of 14 kg whose four legs are parallelograms of hinges, with a ball as a foot, in rows of
+// ten, 2 m apart, on a plane. Dry friction in one hinge holds each leg.
+world::WorldModel standing_linkages(const world::EngineSetting& engine, double tick_s, int count);
+
 // `count` figures of eleven parts with ball joints and hinges, which fall onto a plane from 0.5 m, each
 // turned in another way. In rows of ten, 3 m apart.
 world::WorldModel falling_ragdolls(const world::EngineSetting& engine, double tick_s, int count);
