@@ -28,6 +28,8 @@ bool moves_in_plane(const JointSpec& joint, const Vector3d& n) {
       return joint.axis_b.cross(n).norm() <= kParallel;
     case JointKind::kSlider:
       return std::abs(joint.axis_b.dot(n)) <= kParallel;
+    case JointKind::kFixed:
+      return true;
     default:
       return false;
   }
@@ -54,6 +56,7 @@ Vector3d Mechanism::first_hinge_above(int node) const {
 
 Vector3d Mechanism::find_normal(std::size_t i) const {
   const JointSpec& loop = loops_[i];
+  if (loop.kind != JointKind::kHinge && loop.kind != JointKind::kSlider) return Vector3d::Zero();
   auto [a, b] = std::pair(loop_ends_[i].node_a, loop_ends_[i].node_b);
   Vector3d normal = loop.kind == JointKind::kHinge ? loop.axis_b : first_hinge_above(b);
   if (normal.isZero(0.0)) normal = onto_b(loop, first_hinge_above(a));

@@ -33,6 +33,7 @@ struct CrankAndPiston {
     const auto at = [&](const Vector3d& p) { return world::Pose{turn * p, turn}; };
     const BodyId crank = builder.add_box("crank", {0.05, 0.05, kCrank}, 1.0, at(0.5 * tip));
     const BodyId rod = builder.add_rotor("rod", 0.5, 0.03, at(0.5 * (tip + end)));
+    const BodyId eye = builder.add_rotor("eye", 0.1, 1e-4, at(end));  // the rod's end, fixed to it
     const BodyId piston = builder.add_box("piston", {0.1, 0.1, 0.1}, 2.0, at(end));
     const auto join = [&](const char* name, JointKind kind, BodyId a, BodyId b, const Vector3d& p) {
       const Vector3d axis = kind == JointKind::kSlider ? Vector3d::UnitX() : Vector3d::UnitY();
@@ -40,14 +41,15 @@ struct CrankAndPiston {
     };
     join("ground", JointKind::kHinge, {}, crank, Vector3d::Zero());
     join("tip", JointKind::kHinge, crank, rod, tip);
+    join("welded", JointKind::kFixed, rod, eye, end);
     if (!slider_closes) join("slide", JointKind::kSlider, {}, piston, end);
-    join("pin", pin, rod, piston, end);
+    join("pin", pin, eye, piston, end);
     if (slider_closes) join("slide", JointKind::kSlider, {}, piston, end);
     // The crank turns at 4 rad/s, and with the crank upright the rod only shifts.
     const Vector3d shift = 4.0 * kCrank * Vector3d::UnitX();
     builder.body(crank).w_WB = turn * (4.0 * Vector3d::UnitY());
     builder.body(crank).v_WB = turn * (0.5 * shift);
-    builder.body(rod).v_WB = builder.body(piston).v_WB = turn * shift;
+    for (const BodyId body : {rod, eye, piston}) builder.body(body).v_WB = turn * shift;
   }
 
   ModelBuilder builder;
