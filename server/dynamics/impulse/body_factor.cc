@@ -64,12 +64,13 @@ std::uint64_t BodyFactor::multiplications() const {
 bool BodyFactor::factor() {
   static_assert(sizeof(Block) == 36 * sizeof(double));
   if (diagonal_.empty()) return true;
+  const auto numbers = [](std::vector<Block>& of) { return of.empty() ? nullptr : of.front().data(); };
   return kernels_->factor_blocks({.begins = elimination_.begins().data(),
                                   .rows = elimination_.rows().data(),
-                                  .diagonal = diagonal_.data()->data(),
-                                  .inverse = inverse_.data()->data(),
-                                  .lower = lower_.data()->data(),
-                                  .upper = upper_.data()->data(),
+                                  .diagonal = numbers(diagonal_),
+                                  .inverse = numbers(inverse_),
+                                  .lower = numbers(lower_),
+                                  .upper = numbers(upper_),
                                   .count = diagonal_.size(),
                                   .symmetric = symmetric_});
 }
