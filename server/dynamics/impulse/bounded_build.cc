@@ -396,10 +396,11 @@ void Bounded::find_response(std::size_t m, double* W) {
   if (of_mechanism_[m].rows.empty()) return;
   Mechanism& mechanism = plant_.mechanisms[m];
   mechanism.factor(plant_.bodies);
-  if (!trace_rows(m)) return find_response_row_by_row(m, W);
+  std::vector<MechanismRow>& rows = of_mechanism_[m].rows;
+  if (!mechanism.holds_responses_cheaply(rows.size()) || !trace_rows(m))
+    return find_response_row_by_row(m, W);
   mechanism.tree().find_response(W);
   if (mechanism.loop_count() == 0) return;
-  std::vector<MechanismRow>& rows = of_mechanism_[m].rows;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].axis != nullptr) rows[i].without_loops = W[i * rows.size() + i];
   mechanism.hold_responses(rows.size(), W);

@@ -134,8 +134,8 @@ void Mechanism::place_loop_rows(const Bodies& bodies) {
   first_loop_row_[loops_.size()] = loop_row_count_;
 }
 
-// Follows the rows of a loop, four at a time. Rows that the tree cannot move at all, as those across the
-// plane of a four-bar, are left out at once: LoopFactor would do so, too.
+// Follows the rows of a loop, four at a time. Rows that the tree cannot move at all are left out at once:
+// LoopFactor would do so, too.
 void Mechanism::trace_loop(std::size_t i) {
   first_bundle_[i] = bundles_.size();
   const std::size_t end = first_loop_row_[i + 1];
@@ -230,11 +230,21 @@ void Mechanism::hold_responses(std::size_t n, double* W) {
       tree_.find_responses_to(std::span(loop_ways_).subspan(bundle.way, bundle.places), bundle.lanes[i],
                               &held_[(bundle.first + i) * n]);
   loop_factor_.halfway(held_, n);
-  for (std::size_t row = 0; row < solved_rows_.size(); ++row) {
-    const double* held = &held_[row * n];
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; held[i] != 0.0 && j < n; ++j) W[i * n + j] -= held[i] * held[j];
+  for (std::size_t i = 0; i < n; ++i) {
+    double* to = W + i * n;
+    for (std::size_t row = 0; row < solved_rows_.size(); ++row) {
+      const double* held = &held_[row * n];
+      const double by = held[i];
+      if (by == 0.0) continue;
+      for (std::size_t j = 0; j <= i; ++j) to[j] -= by * held[j];
+    }
+    for (std::size_t j = 0; j < i; ++j) W[j * n + i] = to[j];
   }
+}
+
+// Half of solved rows times n² are multiplied for them, and n answers of the whole mechanism are saved.
+bool Mechanism::holds_responses_cheaply(std::size_t n) const {
+  return solved_rows_.size() * n <= 2 * WorkBudget::kMultiplications * pass_units_;
 }
 
 }  // namespace visum::dynamics::impulse

@@ -3,6 +3,7 @@
 // anywhere in it does.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "server/dynamics/impulse/lanes/joints_data.h"
@@ -92,9 +93,11 @@ class Mechanism {
   // Answers what has been asked and pushed since clear(), loops included.
   void solve();
   double rate(const PathMotion& line) const;  // in the answer, m/s or rad/s
-  // `W`: what the tree alone found for the `n` impulses that it has followed (Tree::find_response). Takes
-  // away what the loops hold.
+  // `W`: the response that the tree alone found for all `n` impulses that it has followed since
+  // begin_traces() (Tree::find_response). Takes away what the loops hold.
   void hold_responses(std::size_t n, double* W);
+  // False where so many impulses are answered one by one in less work. As factored.
+  bool holds_responses_cheaply(std::size_t n) const;
   double free_response(const PathMotion& line,
                        const Bodies& bodies) const;          // to itself, as if nothing were jointed
   void apply(Bodies& bodies) const { tree_.apply(bodies); }  // adds the answer to the bodies' velocities
@@ -145,7 +148,9 @@ class Mechanism {
   void find_loop_neighbours();
   // The normal of the plane that a loop moves in, in B's P axes (planar_loops.cc); zero: it has none.
   Vector3d find_normal(std::size_t loop) const;
-  Vector3d first_hinge_above(int node) const;
+  Vector3d first_hinge_above(int node, int end) const;
+  std::optional<Vector3d> follow_normal(int node, Vector3d normal, int end) const;
+  int meeting_of(int a, int b) const;
   bool is_planar(std::size_t loop) const { return !loop_normals_[loop].isZero(0.0); }
   // The directions that its joint holds in the present pose: those that the tree can move.
   Held held_by_loop(std::size_t loop) const;

@@ -37,10 +37,21 @@ bool moves_in_plane(const JointSpec& joint, const Vector3d& n) {
 
 }  // namespace
 
-// The axis of the first hinge on the way from a node to the root, in the node's P axes; zero: there is none.
-Vector3d Mechanism::first_hinge_above(int node) const {
+// The node where the ways from two nodes to the root meet; -1: none. Parents come before children, so the
+// later of two nodes cannot be above the other.
+int Mechanism::meeting_of(int a, int b) const {
+  while (a != b) {
+    int& later = a > b ? a : b;
+    later = tree_.node(static_cast<std::size_t>(later)).parent;
+  }
+  return a;
+}
+
+// The axis of the first hinge on the way from a node up to another one, in the node's P axes; zero: there is
+// none.
+Vector3d Mechanism::first_hinge_above(int node, int end) const {
   std::vector<const JointSpec*> below;
-  for (; node >= 0; node = tree_.node(static_cast<std::size_t>(node)).parent) {
+  for (; node != end; node = tree_.node(static_cast<std::size_t>(node)).parent) {
     const JointSpec* joint = carrying(static_cast<std::size_t>(node));
     if (joint == nullptr) break;
     if (joint->kind != JointKind::kHinge) {
@@ -54,24 +65,27 @@ Vector3d Mechanism::first_hinge_above(int node) const {
   return Vector3d::Zero();
 }
 
+// The normal in the axes of the node `end`, from a node below it; nothing: a joint leads out of the plane.
+std::optional<Vector3d> Mechanism::follow_normal(int node, Vector3d n, int end) const {
+  for (; node != end; node = tree_.node(static_cast<std::size_t>(node)).parent) {
+    const JointSpec* joint = carrying(static_cast<std::size_t>(node));
+    if (joint == nullptr || !moves_in_plane(*joint, n)) return std::nullopt;
+    n = onto_a(*joint, n);
+  }
+  return n;
+}
+
 Vector3d Mechanism::find_normal(std::size_t i) const {
   const JointSpec& loop = loops_[i];
   if (loop.kind != JointKind::kHinge && loop.kind != JointKind::kSlider) return Vector3d::Zero();
-  auto [a, b] = std::pair(loop_ends_[i].node_a, loop_ends_[i].node_b);
-  Vector3d normal = loop.kind == JointKind::kHinge ? loop.axis_b : first_hinge_above(b);
-  if (normal.isZero(0.0)) normal = onto_b(loop, first_hinge_above(a));
+  const int a = loop_ends_[i].node_a, b = loop_ends_[i].node_b, end = meeting_of(a, b);
+  Vector3d normal = loop.kind == JointKind::kHinge ? loop.axis_b : first_hinge_above(b, end);
+  if (normal.isZero(0.0)) normal = onto_b(loop, first_hinge_above(a, end));
   if (normal.isZero(0.0) || !moves_in_plane(loop, normal)) return Vector3d::Zero();
-  // Parents come before children, so the later of two nodes cannot be above the other.
-  Vector3d n_a = onto_a(loop, normal), n_b = normal;
-  while (a != b) {
-    int& node = a > b ? a : b;
-    Vector3d& n = a > b ? n_a : n_b;
-    const JointSpec* joint = carrying(static_cast<std::size_t>(node));
-    if (joint == nullptr || !moves_in_plane(*joint, n)) return Vector3d::Zero();
-    n = onto_a(*joint, n);
-    node = tree_.node(static_cast<std::size_t>(node)).parent;
-  }
-  return n_a.cross(n_b).norm() <= kParallel ? normal : Vector3d::Zero();
+  const std::optional<Vector3d> by_a = follow_normal(a, onto_a(loop, normal), end);
+  const std::optional<Vector3d> by_b = follow_normal(b, normal, end);
+  const bool planar = by_a && by_b && by_a->cross(*by_b).norm() <= kParallel;
+  return planar ? normal : Vector3d::Zero();
 }
 
 Held Mechanism::held_by_loop(std::size_t i) const {

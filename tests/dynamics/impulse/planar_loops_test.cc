@@ -30,9 +30,12 @@ struct CrankAndPiston {
     builder.model.gravity.setZero();
     const double lift = std::sqrt(kRod * kRod - kCrank * kCrank);
     const Vector3d tip(0.0, 0.0, kCrank), end(lift, 0.0, 0.0);
-    const auto at = [&](const Vector3d& p) { return world::Pose{turn * p, turn}; };
-    const BodyId crank = builder.add_box("crank", {0.05, 0.05, kCrank}, 1.0, at(0.5 * tip));
-    const BodyId rod = builder.add_rotor("rod", 0.5, 0.03, at(0.5 * (tip + end)));
+    // Their frames are turned against each other.
+    const auto at = [&](const Vector3d& p, double angle = 0.0) {
+      return world::Pose{turn * p, turn * Eigen::AngleAxisd(angle, Vector3d(0.6, 0.0, 0.8))};
+    };
+    const BodyId crank = builder.add_box("crank", {0.05, 0.05, kCrank}, 1.0, at(0.5 * tip, 0.7));
+    const BodyId rod = builder.add_rotor("rod", 0.5, 0.03, at(0.5 * (tip + end), -1.1));
     const BodyId eye = builder.add_rotor("eye", 0.1, 1e-4, at(end));  // the rod's end, fixed to it
     const BodyId piston = builder.add_box("piston", {0.1, 0.1, 0.1}, 2.0, at(end));
     const auto join = [&](const char* name, JointKind kind, BodyId a, BodyId b, const Vector3d& p) {
@@ -125,6 +128,25 @@ TEST(PlanarLoops, OnAFreeBodyKeepMomentum) {
   EXPECT_LT(drift.angular, 1e-12);
   EXPECT_LT(gap, 2e-10);
   EXPECT_EQ(lab.warned_ticks, 0);
+}
+
+// A slider that leans out of the plane holds the crank as well.
+TEST(PlanarLoops, ALeaningSliderIsNoPlane) {
+  for (const bool slider_closes : {false, true}) {
+    world::WorldModel model = CrankAndPiston(kTurned, slider_closes).builder.model;
+    for (world::Body& body : model.bodies) {
+      body.v_WB.setZero();
+      body.w_WB.setZero();
+    }
+    model.gravity = kTurned * Vector3d(9.81, 0.0, 0.0);
+    for (world::Joint& joint : model.joints)
+      if (joint.name == "slide")
+        joint.axis_J = (joint.axis_J + 0.01 * (kTurned * Vector3d::UnitY())).normalized();
+    Lab lab(model);
+    const Vector3d start = lab.body("crank").p_WC;
+    lab.run_ticks(200);
+    EXPECT_LT((lab.body("crank").p_WC - start).norm(), 1e-9) << slider_closes;
+  }
 }
 
 // One hinge that leans by a hundredth of a radian holds the whole mechanism, wherever it is.
