@@ -108,19 +108,19 @@ void LoopFactor::eliminate_with(const Block& block, std::size_t i) {
     for (std::size_t j = i + 1; j < k; ++j) at(k, j) -= at(k, i) * at(j, i);
 }
 
-void LoopFactor::halfway(std::vector<double>& C, std::size_t n) {
-  halfway_.resize(size() * n);
+void LoopFactor::solve_lower(std::vector<double>& C, std::size_t n) {
+  lower_solution_.resize(size() * n);
   for (std::size_t i = 0; i < size(); ++i) {
-    double* row = &halfway_[i * n];
+    double* row = &lower_solution_[i * n];
     std::copy_n(&C[order_[i] * n], n, row);
     for (std::size_t j = first_of(i); j < i; ++j) {
       const double l = at(i, j);
-      const double* before = &halfway_[j * n];
+      const double* before = &lower_solution_[j * n];
       for (std::size_t k = 0; k < n; ++k) row[k] -= l * before[k];
     }
     for (std::size_t k = 0; k < n; ++k) row[k] *= inverse_diagonal_[i];
   }
-  C.swap(halfway_);
+  C.swap(lower_solution_);
 }
 
 // Columns that are left out have an inverse diagonal of 0, so their part of the solution is 0.

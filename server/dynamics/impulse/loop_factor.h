@@ -35,7 +35,7 @@ class LoopFactor {
   void solve(std::vector<double>& b);  // solves for the first size() numbers of b, in place
   // With L L^T the factored system: replaces C, size() rows of `n` numbers, by Y = L^-1 C. Then
   // C^T (L L^T)^-1 C = Y^T Y. The rows of Y come in the factor's own order.
-  void halfway(std::vector<double>& C, std::size_t n);
+  void solve_lower(std::vector<double>& C, std::size_t n);
 
  private:
   struct Block {
@@ -61,7 +61,7 @@ class LoopFactor {
   std::vector<double> pivots_;            // what remains of each row of the present block
   std::vector<double> inverse_diagonal_;  // of the factor; 0: left out
   std::vector<char> left_out_;            // by row
-  std::vector<double> sorted_, halfway_;
+  std::vector<double> sorted_, lower_solution_;
   double least_share_ = 1.0;
 };
 

@@ -229,7 +229,7 @@ void Mechanism::hold_responses(std::size_t n, double* W) {
     for (std::size_t i = 0; i < bundle.rows; ++i)
       tree_.find_responses_to(std::span(loop_ways_).subspan(bundle.way, bundle.places), bundle.lanes[i],
                               &held_[(bundle.first + i) * n]);
-  loop_factor_.halfway(held_, n);
+  loop_factor_.solve_lower(held_, n);
   for (std::size_t i = 0; i < n; ++i) {
     double* to = W + i * n;
     for (std::size_t row = 0; row < solved_rows_.size(); ++row) {
@@ -242,7 +242,7 @@ void Mechanism::hold_responses(std::size_t n, double* W) {
   }
 }
 
-// Half of solved rows times n² are multiplied for them, and n answers of the whole mechanism are saved.
+// Holding them takes half of n² multiplications for each solved row, and saves n answers of the mechanism.
 bool Mechanism::holds_responses_cheaply(std::size_t n) const {
   return solved_rows_.size() * n <= 2 * WorkBudget::kMultiplications * pass_units_;
 }

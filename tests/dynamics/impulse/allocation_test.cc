@@ -4,6 +4,7 @@
 
 #include "tests/dynamics/contract/scenes.h"
 #include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/legged_models.h"
 #include "tests/dynamics/physics/loop_models.h"
 #include "tests/dynamics/physics/serial_models.h"
 
@@ -51,6 +52,9 @@ TEST_P(Allocation, DrivesFallsAndContactsNeedNoneOfOurs) {
 TEST_P(Allocation, ClosedLoopsNeedNone) {
   Lab lab(physics::four_bars(GetParam().setting, 1e-3, 3));
   expect_none_the_second_time(lab, 200);
+  Lab standing(physics::standing_linkages(GetParam().setting, 1e-3, 1));
+  expect_none_the_second_time(standing, 200);
+  EXPECT_FALSE(standing.contacts.empty());
 }
 
 // A step whose joints do not close is cut in halves. The solver `iterate` cuts none: it leaves what its

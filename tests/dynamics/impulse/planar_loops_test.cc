@@ -28,8 +28,8 @@ struct CrankAndPiston {
       : builder(kImpulse) {
     builder.model.tick_ns = 1'000'000;
     builder.model.gravity.setZero();
-    const double lift = std::sqrt(kRod * kRod - kCrank * kCrank);
-    const Vector3d tip(0.0, 0.0, kCrank), end(lift, 0.0, 0.0);
+    const double reach = std::sqrt(kRod * kRod - kCrank * kCrank);
+    const Vector3d tip(0.0, 0.0, kCrank), end(reach, 0.0, 0.0);
     // Their frames are turned against each other.
     const auto at = [&](const Vector3d& p, double angle = 0.0) {
       return world::Pose{turn * p, turn * Eigen::AngleAxisd(angle, Vector3d(0.6, 0.0, 0.8))};
@@ -85,8 +85,8 @@ TEST(PlanarLoops, APistonIsWhereItsCrankPutsIt) {
     }
 }
 
-// A ball in place of the pin is not looked at for a plane. It holds the same, as the other joints do the
-// rest.
+// A loop that a ball closes has rows in space. Here it holds the same as one that a pin closes, since the
+// other joints do the rest.
 TEST(PlanarLoops, MoveAsLoopsInSpaceAndTakeLessWork) {
   Lab plane(CrankAndPiston(kTurned, false).builder.model);
   Lab space(CrankAndPiston(kTurned, false, JointKind::kBall).builder.model);
@@ -107,15 +107,13 @@ TEST(PlanarLoops, OnAFreeBodyKeepMomentum) {
   base.mass_kg = 5.0;
   base.inertia_C = Vector3d(0.3, 0.5, 0.4).asDiagonal();
   base.w_WB = {0.3, 0.0, 0.2};
-  for (world::Body& body : model.bodies) {  // as if all were one body, and each rod moves in it
+  for (world::Body& body : model.bodies) {  // the rods turn with the base, beside their own motion
     body.v_WB += base.w_WB.cross(body.X_WB.p);
     body.w_WB += base.w_WB;
   }
   model.bodies.push_back(base);
   for (world::Joint& joint : model.joints)
-    if (!joint.parent.valid()) {
-      joint.parent = {static_cast<std::int32_t>(model.bodies.size()) - 1};
-    }
+    if (!joint.parent.valid()) joint.parent = {static_cast<std::int32_t>(model.bodies.size()) - 1};
   Lab lab(model);
   physics::MomentumDrift drift(lab.model, lab.state);
   double gap = 0.0;
