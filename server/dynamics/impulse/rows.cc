@@ -155,18 +155,18 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
 
 // The change for a row that nothing can move. A drive gives what it may against what it misses; a stop gives
 // nothing.
-double Rows::step_of_rigid(const RowBlock& block) const {
+double Rows::step_of_rigid(const RowBlock& block, double error) const {
   if (block.kind != RowBlock::Kind::kBounded) return 0.0;
   const double least = kRigid * block.free_response, now = block.lambda[0];
   const bool may = least > 0.0 && std::isfinite(block.high - block.low);
-  return std::clamp(may ? now + error(block, 0) / least : now, block.low, block.high) - now;
+  return std::clamp(may ? now + error / least : now, block.low, block.high) - now;
 }
 
-// The change that brings the first row to its equation, or to its bound.
-double Rows::normal_step(const RowBlock& block) const {
+// The change that brings the first row to its equation, or to its bound; it misses by `error`.
+double Rows::normal_step(const RowBlock& block, double error) const {
   const double stiffness = stiffness_of(block);
-  if (!(stiffness > kRigid * block.free_response)) return step_of_rigid(block);
-  const double now = block.lambda[0], next = now + error(block, 0) / stiffness;
+  if (!(stiffness > kRigid * block.free_response)) return step_of_rigid(block, error);
+  const double now = block.lambda[0], next = now + error / stiffness;
   switch (block.kind) {
     case RowBlock::Kind::kContact:
       return std::max(block.low, next) - now;
@@ -184,8 +184,7 @@ double Rows::pressure(const RowBlock& block) const {
   return std::max(0.0, contact.lambda[0] + contact.base[0]);
 }
 
-Tangential Rows::tangents_step(const RowBlock& block) const {
-  const double e1 = error(block, 1), e2 = error(block, 2);
+Tangential Rows::tangents_step(const RowBlock& block, double e1, double e2) const {
   const Tangential start{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
   const double radius = block.friction * pressure(block);
   const auto& inverse = block.inverse_tangential;
@@ -202,27 +201,37 @@ Tangential Rows::tangents_step(const RowBlock& block) const {
 // Returns by how much the velocities were not as the block's rows ask. The normal comes first: the tangents'
 // bound depends on it.
 double Rows::relax(RowBlock& block) {
-  const double by = normal_step(block);
+  const double by = normal_step(block, error(block, 0));
   change(block, {by, 0.0, 0.0});
   const double normal = std::abs(by) * stiffness_of(block);
   if (!has_tangents(block)) return normal;
-  const Tangential along = tangents_step(block);
+  const Tangential along = tangents_step(block, error(block, 1), error(block, 2));
   change(block, {0.0, along[0], along[1]});
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
+std::array<double, 3> Rows::errors(const RowBlock& block) const {
+  std::array<double, 3> errors{};
+  for (std::size_t i = 0; i < block.dim; ++i) errors[i] = error(block, i);
+  return errors;
+}
+
 // The same figure as relax() finds, but here nothing moves.
-double Rows::miss(const RowBlock& block) const {
-  const double normal = std::max(0.0, std::abs(normal_step(block)) * stiffness_of(block));
+double Rows::miss(const RowBlock& block, const std::array<double, 3>& errors) const {
+  const double normal = std::max(0.0, std::abs(normal_step(block, errors[0])) * stiffness_of(block));
   if (!has_tangents(block)) return normal;
-  const Tangential along = tangents_step(block);
+  const Tangential along = tangents_step(block, errors[1], errors[2]);
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
-double Rows::largest_miss() const {
+double Rows::largest_miss() {
   count_work(island_->sweep_units);
+  errors_.resize(blocks_.size());
   double largest = 0.0;
-  for (const RowBlock& block : blocks_) largest = std::max(largest, miss(block));
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    errors_[i] = errors(blocks_[i]);
+    largest = std::max(largest, miss(blocks_[i], errors_[i]));
+  }
   return largest;
 }
 

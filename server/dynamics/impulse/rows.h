@@ -157,7 +157,7 @@ class Rows {
   // targets.
   double sweep_gently(int sweeps);
   // By how much a block's rows miss what they ask for, m/s or rad/s. A NaN counts as 0.
-  double miss(const RowBlock& block) const;
+  double miss(const RowBlock& block) const { return miss(block, errors(block)); }
   double velocity(const RowBlock& block,
                   std::size_t row) const;  // relative velocity along the row, m/s or rad/s
 
@@ -174,7 +174,7 @@ class Rows {
   };
   static constexpr std::size_t kAcross = 3;
   static constexpr int kMostSteps = 8;  // of solve_active()
-  static constexpr int kMostNewtonPasses = 20;
+  static constexpr int kMostNewtonPasses = 8;
   // The active rows begin..end-1 of one block. `drags`: a normal of them drags friction along.
   struct Group {
     std::size_t begin, end;
@@ -211,18 +211,20 @@ class Rows {
   double error(const Row& row) const;
   // The miss of a row's equation, m/s or rad/s.
   double error(const RowBlock& block, std::size_t row) const;
+  // The same for all rows of a block.
+  std::array<double, 3> errors(const RowBlock& block) const;
+  double miss(const RowBlock& block, const std::array<double, 3>& errors) const;
   // Corrects one block. Returns the largest miss that it found.
   double relax(RowBlock& block);
-  // Change of impulse for a row that nothing can move.
-  double step_of_rigid(const RowBlock& block) const;
-  // Change of impulse that brings a block's first row to its equation or its bound.
-  double normal_step(const RowBlock& block) const;
-  // Change of impulse of the tangents, within the friction disc.
-  Tangential tangents_step(const RowBlock& block) const;
+  // Changes of impulse, for rows that miss by `error`: of a row that nothing can move; of a block's first row
+  // to its equation or its bound; of the tangents, within the friction disc.
+  double step_of_rigid(const RowBlock& block, double error) const;
+  double normal_step(const RowBlock& block, double error) const;
+  Tangential tangents_step(const RowBlock& block, double e1, double e2) const;
   // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
-  // Largest miss of any block, without correcting it.
-  double largest_miss() const;
+  // Largest miss of any block, without correcting it. Fills errors_.
+  double largest_miss();
   // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's
   // largest so far.
   double note_change();
@@ -298,22 +300,19 @@ class Rows {
   // it found no answer, and came as near as that.
   // `exact`: goes on to next to nothing once it is near enough.
   double newton(double enough, int most_passes, bool exact);
-  // The same, from the kept point, which misses by `best`.
-  double newton_from(double best, double enough, int most_passes, bool exact);
-  // One whole step. Returns false where the system has no factor.
+  // One step, from where largest_miss() has looked last. Returns false where the system has no factor.
   bool newton_step();
   // Put a block on the side where the projection leads, and its other rows into the active list.
   void project_contact(std::size_t index);
   void project_bounded(std::size_t index);
   // Puts a contact's friction onto its cone, along a direction of length 1.
   void slide_along(RowBlock& block, const Tangential& d);
-  // Impulses and velocities to come back to, fully or halfway.
+  // Impulses and velocities to come back to.
   struct Point {
     std::vector<double> lambda, velocities;
   };
   void keep(Point& point) const;
   void put_back(const Point& point);
-  void go_half_back_to(const Point& point);
 
   // rows_bodies.cc: the same system with the bodies' velocities as unknowns.
   double softness(const Row& row) const;
@@ -365,6 +364,8 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
+  // By block: what the rows miss, where largest_miss() has looked last.
+  std::vector<std::array<double, 3>> errors_;
   Point start_, last_, direction_;
 };
 

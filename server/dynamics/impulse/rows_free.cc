@@ -15,8 +15,6 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr int kMostFreePoints = 50, kMostFailures = 15;  // in one solution
-// Newton's passes for a point: at the least softness, and otherwise.
-constexpr int kMostFirmPasses = 6, kMostSoftPasses = 8;
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
 // this share of what the one before it left. More points are no help then, so from there on a solution may
@@ -31,13 +29,10 @@ class Softness {
 
   double now() const { return now_; }
   bool is_least() const { return now_ == least_; }
-  bool is_firm() const { return now_ <= firmest_; }
 
-  // Where impulses creep it falls below kFirm.
-  void note_found(bool creeping) {
-    if (creeping) firmest_ = step_to(kBy * now_, least_);
+  void note_found() {
     found_ = now_;
-    now_ = std::min(now_, step_to(by_ * now_, firmest_));
+    now_ = std::min(now_, step_to(by_ * now_, kFirm));
     by_ = std::max(kBy, by_ * by_);
   }
 
@@ -61,7 +56,7 @@ class Softness {
   // Powers of ten are rounded: what is next to the bound is the bound.
   static double step_to(double to, double bound) { return to < 1.5 * bound ? bound : to; }
 
-  double least_, now_, firmest_ = kFirm;
+  double least_, now_;
   double found_ = 0.0;  // the last one with which a point was found, if it is known to help
   double by_ = kBy;     // the next step down
 };
@@ -79,27 +74,27 @@ bool Rows::follow_free_points(double missed, double least, double share) {
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
     keep(start_);
-    const bool exact = left <= enough || softness.is_firm();
+    const bool exact = left <= enough || softness.is_least();
     const double goal = exact ? enough : std::max(enough, kInexact * std::min(left, missed));
-    if (!(newton(goal, softened ? kMostSoftPasses : kMostFirmPasses, exact) <= goal)) {
+    if (!(newton(goal, kMostNewtonPasses, exact) <= goal)) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;
       continue;
     }
-    // How large the impulses are is known only now.
-    enough = std::max(least, share * note_change());
     const double before = left;
     left = left_by_softness();
     creeping = creeping || left > kCreeping * before;
-    solved = (exact && left <= enough) || (creeping && left <= kCreepingMiss * enough);
-    if (!solved && left > enough) softness.note_found(exact && creeping);
+    // How large the impulses are is known only now.
+    enough = std::max(least, (creeping ? kCreepingMiss : 1.0) * share * note_change());
+    solved = left <= enough;
+    if (!solved) softness.note_found();
   }
   hold_softly(least_softness());
   if (!softened) return solved;
   move_centres(0.0);
   // Errors of rest add up from tick to tick, so the last point is as firm as all others are.
-  return solved && newton(enough, kMostSoftPasses, true) <= (creeping ? kCreepingMiss : 1.0) * enough;
+  return solved && newton(enough, kMostNewtonPasses, true) <= enough;
 }
 
 }  // namespace visum::dynamics::impulse

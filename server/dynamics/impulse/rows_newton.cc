@@ -22,9 +22,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostWorse = 4;         // whole steps in a row that come no nearer
-constexpr int kMostStepHalvings = 5;  // of a step
-constexpr double kExact = 1e-3;       // share of the allowed miss below which no further step is worth it
+constexpr double kExact = 1e-3;  // share of the allowed miss below which no further step is worth it
 
 }  // namespace
 
@@ -39,12 +37,13 @@ void Rows::project_contact(std::size_t index) {
   block.drags = false;
   if (is_rigid(block)) return;
   // Where the projection leads. The normal decides first; its impulse there is the radius' measure.
-  const double ahead = block.lambda[0] + normal_step(block);
+  const std::array<double, 3>& missing = errors_[index];
+  const double ahead = block.lambda[0] + normal_step(block, missing[0]);
   const bool open = !(ahead > block.low);
   const double radius = block.friction * std::max(0.0, ahead + block.base[0]);
   const double step = sliding_step(block);
-  const Tangential to{block.lambda[1] + block.base[1] + step * error(block, 1),
-                      block.lambda[2] + block.base[2] + step * error(block, 2)};
+  const Tangential to{block.lambda[1] + block.base[1] + step * missing[1],
+                      block.lambda[2] + block.base[2] + step * missing[2]};
   if (open) change(block, {block.low - block.lambda[0], 0.0, 0.0});
   if (!open) active_.push_back({index, 0});
   if (is_within_disc(to, radius)) {
@@ -63,13 +62,15 @@ void Rows::project_contact(std::size_t index) {
 
 void Rows::project_bounded(std::size_t index) {
   RowBlock& block = blocks_[index];
-  const double by = normal_step(block), ahead = block.lambda[0] + by;
+  const double by = normal_step(block, errors_[index][0]), ahead = block.lambda[0] + by;
   if (is_rigid(block) || ahead <= block.low || ahead >= block.high)
     change(block, {by, 0.0, 0.0});
   else
     active_.push_back({index, 0});
 }
 
+// All rows are projected from one point, though the first ones move it: that their neighbours would see them
+// moved does harm where many change sides.
 bool Rows::newton_step() {
   active_.clear();
   for (std::size_t i = 0; i < blocks_.size(); ++i)
@@ -106,53 +107,26 @@ void Rows::put_back(const Point& point) {
   std::copy(point.velocities.begin(), point.velocities.end(), velocities_.begin());
 }
 
-void Rows::go_half_back_to(const Point& point) {
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
-      const double by = 0.5 * (point.lambda[3 * i + j] - blocks_[i].lambda[j]);
-      blocks_[i].applied[j] += by;
-      blocks_[i].lambda[j] += by;
-    }
-  }
-  for (std::size_t i = 0; i < velocities_.size(); ++i)
-    velocities_[i] += 0.5 * (point.velocities[i] - velocities_[i]);
-}
-
-// A step that comes no nearer is often the way to an answer, so a few whole steps are taken first. Then the
-// best point is taken up again, and steps are halved until they come nearer. One step more follows the first
-// that is near enough: it costs little, and leaves next to nothing to drift from tick to tick.
+// A step that comes no nearer is often the way to an answer, so steps are whole, and the best point counts.
+// One step more follows the first that is near enough: it costs little, and leaves next to nothing to drift
+// from tick to tick.
 double Rows::newton(double enough, int most_passes, bool exact) {
-  const double start = largest_miss();
+  double best = largest_miss();
   keep(last_);
   try {
-    return newton_from(start, enough, most_passes, exact);
+    for (int pass = 0; pass < most_passes && (best > enough || exact); ++pass) {
+      const bool last = best <= enough;
+      if (!newton_step()) break;
+      const double miss = largest_miss();
+      if (miss < best) {
+        best = miss;
+        keep(last_);
+      }
+      if (last || best <= kExact * enough) break;
+    }
   } catch (const WorkSpent&) {
     put_back(last_);  // a limited step starts from there
     throw;
-  }
-}
-
-double Rows::newton_from(double best, double enough, int most_passes, bool exact) {
-  int worse = 0;
-  for (int pass = 0; pass < most_passes; ++pass) {
-    const bool last = best <= enough;
-    if (last && !exact) break;
-    if (!newton_step()) break;
-    double miss = largest_miss();
-    for (int k = 0; worse == kMostWorse && k < kMostStepHalvings && !(miss < best); ++k) {
-      go_half_back_to(last_);
-      miss = largest_miss();
-    }
-    if (miss < best) {
-      best = miss;
-      if (worse < kMostWorse) worse = 0;
-      keep(last_);
-    } else if (worse == kMostWorse) {
-      break;
-    } else if (++worse == kMostWorse) {
-      put_back(last_);
-    }
-    if (last || best <= kExact * enough) break;
   }
   put_back(last_);
   return best;

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0x72ed74a6a18f78bbull},        {"ImpulseOrder4", 0x31abeb903e8915beull},
-    {"ImpulseIterate", 0x43e42d6895c6e1d1ull},
+    {"Impulse", 0x4bcd1a64077dbb77ull},        {"ImpulseOrder4", 0x78e4bd7ec5ae8b35ull},
+    {"ImpulseIterate", 0x36d25af1c419b5aaull},
 };
 
 class Golden : public Contract {};
