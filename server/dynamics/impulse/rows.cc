@@ -8,8 +8,8 @@
 // a little more, as a spring, and settle.
 //
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
-// With mechanisms an answer near the start is looked for next (rows_near.cc); free bodies alone come from
-// soft points to firm ones (rows_free.cc). Otherwise each proximal point takes a sweep of projected
+// With mechanisms an answer near the start is looked for next (rows_near.cc); then one comes from soft points
+// to firm ones (rows_soft.cc). Otherwise each proximal point takes a sweep of projected
 // Gauss-Seidel, which finds the rows that are at their bounds, and then solves the others at once
 // (rows_active.cc), or with their bounds by Newton's method (rows_newton.cc). Where that does not end for
 // free bodies, the rows are softened a hundredfold: near its centre such a point is easily found. It becomes
@@ -94,8 +94,7 @@ void Rows::prepare() {
     }
   }
   hold_softly(least_softness());
-  // Sweeps alone say what rows give that nothing can move.
-  island_->calm = island_->calm && std::ranges::none_of(blocks_, is_rigid);
+  island_->movable = std::ranges::none_of(blocks_, is_rigid);
 }
 
 double Rows::least_softness() const {
@@ -288,7 +287,9 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   island_->changed = start();
   island_->rests = island_->solved = is_at_rest(least, share, rest);
   if (island_->rests) return 0.0;
-  if (!responses_.empty() && island_->calm) {
+  const bool alone = responses_.empty();
+  // Sweeps alone say what rows on mechanisms give that nothing can move.
+  if (!alone && island_->calm && island_->movable) {
     const double missed = largest_miss();
     if (settle_near_start(missed, std::max(least, share * note_change()))) {
       island_->solved = true;
@@ -298,9 +299,9 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   }
   island_->changed = true;
   double missed = 0.0;
-  if (responses_.empty() && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist)) {
+  if ((alone || island_->movable) && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist)) {
     missed = largest_miss();
-    island_->solved = follow_free_points(missed, least, share);
+    island_->solved = follow_soft_points(missed, least, share);
     if (island_->solved) return missed;
   }
   // One sweep tells which rows are at their bounds, and how large the changes are.

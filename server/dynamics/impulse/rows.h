@@ -93,13 +93,13 @@ struct RowIsland {
   std::span<double> velocities;
   std::span<const FreeBody> bodies;   // the free ones, in the order of their velocities
   std::span<const double> responses;  // W of each mechanism that has rows, one after the other
-  // The start is near the answer: nothing is driven apart, and every row can be moved.
-  bool calm = false;
-  double largest_change = 0.0;    // of a velocity by an impulse, since prepare(), m/s or rad/s
-  bool rests = false;             // the last solve() had nothing to do
-  bool solved = false;            // the last solve() left no more than it was allowed to
-  bool changed = false;           // the last solve() has changed the velocities
-  std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
+  bool calm = false;                  // nothing is driven apart, so that the start is near the answer
+  bool movable = false;               // every row can be moved; prepare() finds that
+  double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
+  bool rests = false;                 // the last solve() had nothing to do
+  bool solved = false;                // the last solve() left no more than it was allowed to
+  bool changed = false;               // the last solve() has changed the velocities
+  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
   // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
   const Rows* factored_by = nullptr;
   const Rows* paired_by = nullptr;
@@ -148,7 +148,7 @@ class Rows {
   void prepare();
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
   // rad/s), or more than `share` of the island's largest change; free bodies that are jammed may miss ten
-  // times that (rows_free.cc). Returns the largest miss at the start, or of the first sweep. Does nothing if
+  // times that (rows_soft.cc). Returns the largest miss at the start, or of the first sweep. Does nothing if
   // the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
@@ -202,9 +202,9 @@ class Rows {
   // From proximal point to proximal point, until the softness leaves no error. Returns false where one was
   // not found.
   bool follow_points(double enough);
-  // rows_free.cc: the same for free bodies without rolling friction, from soft points on. The rows miss by
-  // `missed` at the start, and may miss as solve() says at the end.
-  bool follow_free_points(double missed, double least, double share);
+  // rows_soft.cc: the same from soft points on, without rolling friction. The rows miss by `missed` at the
+  // start, and may miss as solve() says at the end.
+  bool follow_soft_points(double missed, double least, double share);
   bool has(RowBlock::Kind kind) const;
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0x4bcd1a64077dbb77ull},        {"ImpulseOrder4", 0x78e4bd7ec5ae8b35ull},
-    {"ImpulseIterate", 0x36d25af1c419b5aaull},
+    {"Impulse", 0x023dfac380fa7732ull},        {"ImpulseOrder4", 0x9a7b2c244ec3a458ull},
+    {"ImpulseIterate", 0xa5be293e7f75f9f8ull},
 };
 
 class Golden : public Contract {};

@@ -1,4 +1,4 @@
-// Free bodies alone: their rows, softened where they are hard to solve, and then made firmer.
+// Rows that are softened where they are hard to solve, and then made firmer.
 //
 // Newton's method (rows_newton.cc) finds a proximal point from the last tick's impulses where few contacts
 // change sides. Where many do, or repeat each other, it seldom finds a firm point, but nearly always a soft
@@ -14,7 +14,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-constexpr int kMostFreePoints = 50, kMostFailures = 15;  // in one solution
+constexpr int kMostSoftPoints = 50, kMostFailures = 15;  // in one solution
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
 // this share of what the one before it left. More points are no help then, so from there on a solution may
@@ -25,7 +25,7 @@ constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 // is not found, it begins with kSoft and falls to kFirm, by smaller steps after a point that is not found.
 class Softness {
  public:
-  explicit Softness(double least) : least_(least), now_(least) {}
+  Softness(double least, bool begins_soft) : least_(least), now_(begins_soft ? kSoft : least) {}
 
   double now() const { return now_; }
   bool is_least() const { return now_ == least_; }
@@ -63,13 +63,16 @@ class Softness {
 
 }  // namespace
 
-bool Rows::follow_free_points(double missed, double least, double share) {
+bool Rows::follow_soft_points(double missed, double least, double share) {
+  const bool alone = responses_.empty();
   double enough = std::max(least, share * note_change());
   double left = std::numeric_limits<double>::infinity();
-  Softness softness(least_softness());
+  // Where a mechanism is driven apart, contacts have several answers, and the one nearest to the start may
+  // press too hard.
+  Softness softness(least_softness(), !alone && !island_->calm);
   bool softened = false, solved = false, creeping = false;
   int failures = 0;
-  for (int point = 0; point < kMostFreePoints && !solved && failures < kMostFailures; ++point) {
+  for (int point = 0; point < kMostSoftPoints && !solved && failures < kMostFailures; ++point) {
     softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
@@ -86,7 +89,7 @@ bool Rows::follow_free_points(double missed, double least, double share) {
     left = left_by_softness();
     creeping = creeping || left > kCreeping * before;
     // How large the impulses are is known only now.
-    enough = std::max(least, (creeping ? kCreepingMiss : 1.0) * share * note_change());
+    enough = std::max(least, (creeping && alone ? kCreepingMiss : 1.0) * share * note_change());
     solved = left <= enough;
     if (!solved) softness.note_found();
   }
