@@ -9,14 +9,14 @@
 //
 // Rows at rest are not solved: if the starting impulses leave next to nothing missing, they are the answer.
 // With mechanisms an answer near the start is looked for next (rows_near.cc); then one comes from soft points
-// to firm ones (rows_soft.cc). Otherwise each proximal point takes a sweep of projected
-// Gauss-Seidel, which finds the rows that are at their bounds, and then solves the others at once
-// (rows_active.cc), or with their bounds by Newton's method (rows_newton.cc). Where that does not end for
-// free bodies, the rows are softened a hundredfold: near its centre such a point is easily found. It becomes
-// the next centre, with less softness, until none is left over. As a last way, sweeps follow that nonlinear
-// conjugate gradients speed up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient
-// method for interactive contact force problems, Visual Computer 26 (2010). A sweep forwards and back counts
-// as one gradient.
+// to firm ones (rows_soft.cc). Where mechanisms are driven apart, these come after the next way: each
+// proximal point takes a sweep of projected Gauss-Seidel, which finds the rows that are at their bounds, and
+// then solves the others at once (rows_active.cc), or with their bounds by Newton's method (rows_newton.cc).
+// Where that does not end for free bodies, the rows are softened a hundredfold: near its centre such a point
+// is easily found. It becomes the next centre, with less softness, until none is left over. As a last way,
+// sweeps follow that nonlinear conjugate gradients speed up: Silcowitz-Hansen, Niebe, Erleben, A nonsmooth
+// nonlinear conjugate gradient method for interactive contact force problems, Visual Computer 26 (2010). A
+// sweep forwards and back counts as one gradient.
 #include "server/dynamics/impulse/rows.h"
 
 #include <algorithm>
@@ -289,7 +289,8 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   if (island_->rests) return 0.0;
   const bool alone = responses_.empty();
   // Sweeps alone say what rows on mechanisms give that nothing can move.
-  if (!alone && island_->calm && island_->movable) {
+  const bool movable = alone || island_->movable;
+  if (!alone && island_->calm && movable) {
     const double missed = largest_miss();
     if (settle_near_start(missed, std::max(least, share * note_change()))) {
       island_->solved = true;
@@ -299,7 +300,11 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   }
   island_->changed = true;
   double missed = 0.0;
-  if ((alone || island_->movable) && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist)) {
+  const bool softly = movable && has(RowBlock::Kind::kContact) && !has(RowBlock::Kind::kTwist);
+  // Where a mechanism is driven apart, contacts have several answers, and one near the start may press too
+  // hard: soft points come later there.
+  const bool at_first = alone || island_->calm;
+  if (softly && at_first) {
     missed = largest_miss();
     island_->solved = follow_soft_points(missed, least, share);
     if (island_->solved) return missed;
@@ -307,7 +312,9 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   // One sweep tells which rows are at their bounds, and how large the changes are.
   missed = std::max(missed, sweep(true));
   const double enough = std::max(least, share * note_change());
-  island_->solved = follow_points(enough) || sweep_and_accelerate(most_sweeps, enough) <= enough;
+  island_->solved = follow_points(enough) ||
+                    (softly && !at_first && follow_soft_points(largest_miss(), least, share)) ||
+                    sweep_and_accelerate(most_sweeps, enough) <= enough;
   return missed;
 }
 
@@ -323,7 +330,7 @@ double Rows::left_by_softness() const {
   return left;
 }
 
-// Returns false where a point was not found.
+// Returns false where a point was not found, or the last one left too much.
 bool Rows::follow_points(double enough) {
   const bool alone = responses_.empty();
   const double least = least_softness();
@@ -346,7 +353,7 @@ bool Rows::follow_points(double enough) {
     }
     move_centres(share > least ? share : 0.0);
   }
-  return true;
+  return false;
 }
 
 double Rows::sweep_gently(int sweeps) {

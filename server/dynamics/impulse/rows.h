@@ -200,7 +200,7 @@ class Rows {
   double least_softness() const;
   double left_by_softness() const;
   // From proximal point to proximal point, until the softness leaves no error. Returns false where one was
-  // not found.
+  // not found, or where they are used up.
   bool follow_points(double enough);
   // rows_soft.cc: the same from soft points on, without rolling friction. The rows miss by `missed` at the
   // start, and may miss as solve() says at the end.
@@ -297,8 +297,7 @@ class Rows {
   bool step_active();
 
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
-  // it found no answer, and came as near as that.
-  // `exact`: goes on to next to nothing once it is near enough.
+  // it found no answer, and came as near as that. `exact`: takes one step more once it is near enough.
   double newton(double enough, int most_passes, bool exact);
   // One step, from where largest_miss() has looked last. Returns false where the system has no factor.
   bool newton_step();

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "server/dynamics/impulse/rows.h"
 
@@ -15,17 +16,18 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr int kMostSoftPoints = 50, kMostFailures = 15;  // in one solution
+constexpr int kMostLastPoints = 4;                       // at the least softness, at its end
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
-// this share of what the one before it left. More points are no help then, so from there on a solution may
-// leave so many times what is enough.
+// this share of what the one before it left with the same softness. More points are no help then, so from
+// there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
 // is not found, it begins with kSoft and falls to kFirm, by smaller steps after a point that is not found.
 class Softness {
  public:
-  Softness(double least, bool begins_soft) : least_(least), now_(begins_soft ? kSoft : least) {}
+  explicit Softness(double least) : least_(least), now_(least) {}
 
   double now() const { return now_; }
   bool is_least() const { return now_ == least_; }
@@ -66,38 +68,42 @@ class Softness {
 bool Rows::follow_soft_points(double missed, double least, double share) {
   const bool alone = responses_.empty();
   double enough = std::max(least, share * note_change());
-  double left = std::numeric_limits<double>::infinity();
-  // Where a mechanism is driven apart, contacts have several answers, and the one nearest to the start may
-  // press too hard.
-  Softness softness(least_softness(), !alone && !island_->calm);
-  bool softened = false, solved = false, creeping = false;
+  double left = std::numeric_limits<double>::infinity(), left_of = 0.0;  // with which softness
+  Softness softness(least_softness());
+  bool softened = false, near = false, creeping = false;
+  const auto allowed = [&] { return (creeping && alone ? kCreepingMiss : 1.0) * enough; };
   int failures = 0;
-  for (int point = 0; point < kMostSoftPoints && !solved && failures < kMostFailures; ++point) {
+  for (int point = 0; point < kMostSoftPoints && !near && failures < kMostFailures; ++point) {
     softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
     keep(start_);
-    const bool exact = left <= enough || softness.is_least();
-    const double goal = exact ? enough : std::max(enough, kInexact * std::min(left, missed));
-    if (!(newton(goal, kMostNewtonPasses, exact) <= goal)) {
+    const double goal = softened ? std::max(enough, kInexact * std::min(left, missed)) : enough;
+    if (!(newton(goal, kMostNewtonPasses, !softened) <= goal)) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;
       continue;
     }
-    const double before = left;
-    left = left_by_softness();
-    creeping = creeping || left > kCreeping * before;
     // How large the impulses are is known only now.
-    enough = std::max(least, (creeping && alone ? kCreepingMiss : 1.0) * share * note_change());
-    solved = left <= enough;
-    if (!solved) softness.note_found();
+    enough = std::max(least, share * note_change());
+    const double before = std::exchange(left, left_by_softness());
+    creeping = creeping || (left_of == softness.now() && left > kCreeping * before);
+    left_of = softness.now();
+    near = left <= allowed();
+    if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  if (!softened) return solved;
+  if (!softened) return near;
+  // Errors of rest add up from tick to tick, so the last points are as firm as all others are. Each may move
+  // along what the one before it has left out.
+  for (int point = 0; near && point < kMostLastPoints; ++point) {
+    move_centres(0.0);
+    if (!(newton(enough, kMostNewtonPasses, true) <= allowed())) return false;
+    if (left_by_softness() <= allowed()) return true;
+  }
   move_centres(0.0);
-  // Errors of rest add up from tick to tick, so the last point is as firm as all others are.
-  return solved && newton(enough, kMostNewtonPasses, true) <= enough;
+  return false;
 }
 
 }  // namespace visum::dynamics::impulse

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0x023dfac380fa7732ull},        {"ImpulseOrder4", 0x9a7b2c244ec3a458ull},
-    {"ImpulseIterate", 0xa5be293e7f75f9f8ull},
+    {"Impulse", 0xabc3d343e2366e87ull},        {"ImpulseOrder4", 0x8606a9074f41ddb5ull},
+    {"ImpulseIterate", 0x37b54e5a90253da9ull},
 };
 
 class Golden : public Contract {};

@@ -169,7 +169,7 @@ class Grasp {
 };
 
 struct Found {
-  int missed = 0;      // of 9,000 solutions, by more than 2e-6 m/s
+  int missed = 0;      // of 9,000 solutions, by more than 1e-6 m/s
   double worst = 0.0;  // m/s
 };
 
@@ -181,7 +181,7 @@ Found solve_many(int most_sweeps) {
     for (int tick = 0; tick < 300; ++tick) {
       grasp.rows().solve(most_sweeps, 1e-11, 1e-7, 0.0);
       const double miss = grasp.miss();
-      found.missed += miss > 2e-6;
+      found.missed += miss > 1e-6;
       found.worst = std::max(found.worst, miss);
       grasp.push(random, 1e-3);
     }
@@ -335,11 +335,10 @@ class FallingWall {
 };
 
 // Hundreds of corners that repeat each other open, stick and slide. What is said to be solved is. No way is
-// known to solve all of them. What may be missed is a share of the largest change on the way, which is more
-// than that of the answer.
+// known to solve all of them.
 TEST(Rows, SolvesWallsThatFallToPieces) {
   constexpr int kWalls = 50;
-  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 0}, {1.0, 5}}) {
+  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 5}, {1.0, 19}}) {
     std::mt19937_64 random(1);
     int unsolved = 0;
     for (int i = 0; i < kWalls; ++i) {
@@ -347,7 +346,7 @@ TEST(Rows, SolvesWallsThatFallToPieces) {
       if (!wall.solve())
         ++unsolved;
       else
-        EXPECT_LT(wall.miss(), 1e-5) << "friction " << friction << ", wall " << i;
+        EXPECT_LT(wall.miss(), 2e-6) << "friction " << friction << ", wall " << i;
     }
     EXPECT_LE(unsolved, most) << "of " << kWalls << ", with friction " << friction;
     RecordProperty("unsolved_at_" + std::to_string(friction), unsolved);

@@ -55,8 +55,10 @@ struct Crane {
       look();
     }
   }
-  // The block's place against the palm.
-  Vector3d grip() { return lab.body("block").p_WC - lab.body("palm").p_WC; }
+  // The block's place against the jaws. Together they may move along their slides: nothing holds them there.
+  Vector3d grip() {
+    return lab.body("block").p_WC - 0.5 * (lab.body("jaw_left").p_WC + lab.body("jaw_right").p_WC);
+  }
 
   Lab lab;
 };

@@ -119,17 +119,22 @@ std::vector<double> stand_as_a_house(const world::EngineSetting& engine) {
   return {farthest(lab)};
 }
 
-// Ten dominoes 3 cm apart; the first is pushed over its edge. Each tips the next. Nothing drives them: energy
-// falls, and rises by no more than it takes to lift what has sunk in.
-std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
+struct Dominoes {
+  double standing = 0.0;  // how many still stand
+  double rise = 0.0;      // of the energy
+};
+
+// Ten dominoes; the first is pushed over its edge. Each tips the next. Nothing drives them: energy falls, and
+// rises by no more than it takes to lift what has sunk in.
+Dominoes tip_dominoes(const world::EngineSetting& engine, double pitch) {
   constexpr int kCount = 10;
-  constexpr double kHeight = 0.08, kThick = 0.01, kPitch = 0.03, kKg = 0.05;
+  constexpr double kHeight = 0.08, kThick = 0.01, kKg = 0.05;
   ModelBuilder b(engine);
   const auto surface = b.add_surface(0.5, 0.0);
   b.add_ground(surface);
   for (int i = 0; i < kCount; ++i)
     b.add_box("domino_" + std::to_string(i), {kThick, 0.04, kHeight}, kKg,
-              at(kPitch * i, 0.0, 0.5 * kHeight - kTouch), surface);
+              at(pitch * i, 0.0, 0.5 * kHeight - kTouch), surface);
   // Enough to lift the centre of mass over the edge, and half as much again.
   const double over = std::hypot(0.5 * kHeight, 0.5 * kThick) - 0.5 * kHeight;
   const double about_edge = kKg * (kHeight * kHeight + kThick * kThick) / 3.0;
@@ -138,11 +143,24 @@ std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
   b.model.bodies[1].v_WB = Vector3d(0.0, turn, 0.0).cross(Vector3d(-0.5 * kThick, 0.0, 0.5 * kHeight));
   Lab lab(b.model);
   const double scale = kCount * kKg * kG * 0.5 * kHeight;
-  const double rise = watch_energy_rise(lab, 2.0) / scale;
-  double standing = 0.0;
+  Dominoes found{.rise = watch_energy_rise(lab, 2.0) / scale};
   for (int i = 0; i < kCount; ++i)
-    standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kHeight;
-  return {standing, rise};
+    found.standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kHeight;
+  return found;
+}
+
+// Five rows, some 3 cm apart. The rise depends on when in a tick each domino lands, by a factor of ten from
+// one pitch to the next: the median counts. All dominoes of all rows must fall.
+std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
+  double standing = 0.0;
+  std::vector<double> rises;
+  for (const double pitch : {0.0298, 0.0299, 0.03, 0.0301, 0.0302}) {
+    const Dominoes found = tip_dominoes(engine, pitch);
+    standing += found.standing;
+    rises.push_back(found.rise);
+  }
+  std::ranges::sort(rises);
+  return {standing, rises[2]};
 }
 
 // A ball of 2 cm whose centre of mass lies 3 mm below its centre, spun fast and a little tilted, turns over.
