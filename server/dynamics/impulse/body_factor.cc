@@ -47,14 +47,19 @@ bool BodyFactor::place(std::size_t most_entries) {
   return true;
 }
 
-void BodyFactor::add(std::size_t a, std::span<const Vector6> push, std::size_t b,
-                     std::span<const Vector6> measure) {
+double* BodyFactor::block(std::size_t a, std::size_t b) {
   const std::size_t row = elimination_.position(a), column = elimination_.position(b);
-  if (row < column && symmetric_) return;  // follows from the other half
-  Block& block = row == column  ? diagonal_[row]
-                 : row > column ? lower_[elimination_.entry(row, column)]
-                                : upper_[elimination_.entry(column, row)];
-  kernels_->add_products(block.data(), push[0].data(), measure[0].data(), push.size());
+  if (row == column) return diagonal_[row].data();
+  if (row > column) return lower_[elimination_.entry(row, column)].data();
+  return symmetric_ ? nullptr : upper_[elimination_.entry(column, row)].data();
+}
+
+void BodyFactor::add(std::span<const BodyRow> rows) {
+  std::array<double*, 4> blocks{};
+  for (std::size_t a = 0; a < rows[0].ends; ++a)
+    for (std::size_t b = 0; b < rows[0].ends; ++b)
+      blocks[2 * a + b] = block(rows[0].body[a], rows[0].body[b]);
+  kernels_->add_body_rows(rows.data(), rows.size(), blocks.data());
 }
 
 std::uint64_t BodyFactor::multiplications() const {
@@ -75,20 +80,28 @@ bool BodyFactor::factor() {
                                   .symmetric = symmetric_});
 }
 
-void BodyFactor::solve(std::vector<double>& b) const {
+void BodyFactor::solve_bodies() {
   const std::span<const std::size_t> order = elimination_.order(), begins = elimination_.begins(),
                                      rows = elimination_.rows();
-  const auto part = [&](std::size_t position) { return &b[6 * order[position]]; };
+  const auto part = [&](std::size_t position) { return &steps_[6 * order[position]]; };
   // Forwards with L, then backwards with U and D^-1.
   for (std::size_t k = 0; k < order.size(); ++k)
     for (std::size_t e = begins[k]; e < begins[k + 1]; ++e) subtract(part(rows[e]), lower_[e], part(k));
   for (std::size_t k = order.size(); k-- > 0;) {
     double* const own = part(k);
     for (std::size_t e = begins[k]; e < begins[k + 1]; ++e) subtract(own, upper_[e], part(rows[e]));
-    Vector6 x{};
+    std::array<double, 6> x{};
     subtract(x.data(), inverse_[k], own);
     for (std::size_t i = 0; i < 6; ++i) own[i] = -x[i];
   }
+}
+
+// Right side: sum p r / s. Back to the rows: l = (r - j dv)/s.
+void BodyFactor::solve(std::span<const BodyRow> rows, std::span<double> missing) {
+  steps_.assign(6 * diagonal_.size(), 0.0);
+  kernels_->push_by_body_rows(rows.data(), rows.size(), missing.data(), steps_.data());
+  solve_bodies();
+  kernels_->answer_body_rows(rows.data(), rows.size(), steps_.data(), missing.data());
 }
 
 }  // namespace visum::dynamics::impulse

@@ -31,8 +31,6 @@ struct FreeBody {
 // one use to the next shows in a result.
 class BodyFactor {
  public:
-  using Vector6 = std::array<double, 6>;  // angular, linear
-
   explicit BodyFactor(const Kernels& by = kernels()) : kernels_(&by) {}
 
   // `symmetric`: all rows push along the directions that they measure. `bodies` must stay valid until
@@ -42,13 +40,16 @@ class BodyFactor {
   bool place(std::size_t most_entries);        // puts M in place; false if there would be more entries
   // In factor(), once placed: of each body's inverse, and of the products.
   std::uint64_t multiplications() const;
-  // Adds sum push measure^T: an impulse pushes body a, and b is where the row measures.
-  void add(std::size_t a, std::span<const Vector6> push, std::size_t b, std::span<const Vector6> measure);
-  bool factor();                             // false where a body cannot be solved for
-  void solve(std::vector<double>& b) const;  // in place, six numbers for each body
+  void add(std::span<const BodyRow> rows);  // at most three, on the same bodies
+  bool factor();                            // false where a body cannot be solved for
+  // From what all rows that were added miss, in their order, to their impulses.
+  void solve(std::span<const BodyRow> rows, std::span<double> missing);
 
  private:
   using Block = std::array<double, 36>;
+
+  double* block(std::size_t a, std::size_t b);  // null where it follows from another one
+  void solve_bodies();                          // steps_, in place
 
   const Kernels* kernels_;
   std::span<const FreeBody> bodies_;
@@ -56,6 +57,7 @@ class BodyFactor {
   Elimination elimination_;
   std::vector<Block> diagonal_, inverse_;  // by position
   std::vector<Block> lower_, upper_;       // by entry; upper_ holds the entry's transposed place
+  std::vector<double> steps_;              // six for each body
 };
 
 }  // namespace visum::dynamics::impulse

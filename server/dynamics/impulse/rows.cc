@@ -50,22 +50,12 @@ bool has_tangents(const RowBlock& block) {
   return block.kind != RowBlock::Kind::kBounded && stiffness_of(block) > kRigid * block.free_response;
 }
 
-// Adds to a free body's velocities the effect of impulses on the rows of an end.
-void push_body(const RowEnd& end, const std::array<double, 3>& by, double* velocities) {
-  std::array<double, 6> now;
-  std::copy(velocities, velocities + 6, now.begin());
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (by[i] == 0.0) continue;
-    for (std::size_t j = 0; j < 6; ++j) now[j] += end.MJ[i][j] * by[i];
-  }
-  std::copy(now.begin(), now.end(), velocities);
-}
-
 // Inverts the tangents' 2 x 2 response, softened.
 void invert_tangents(RowBlock& block) {
   const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
   const double share = 1.0 / (a * c - b * b);
   block.inverse_tangential = {share * c, -share * b, share * a};
+  block.sliding_step = 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
 }
 
 }  // namespace
@@ -81,7 +71,7 @@ void Rows::take(RowIsland& island) {
 void Rows::prepare() {
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
-  island_->factored_by = island_->paired_by = nullptr;
+  island_->factored_by = island_->paired_by = island_->laid_out_by = nullptr;
   for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
@@ -128,10 +118,10 @@ void Rows::push(const RowBlock& block, const std::array<double, 3>& by) {
     const RowEnd& end = block.ends[e];
     double* velocity = &velocities_[end.offset];
     if (end.free) {
-      // A mechanism: each impulse moves all of its rows.
-      push_body(end, by, velocity);
+      kernels_->push_body(end.MJ[0].data(), by.data(), velocity);
       continue;
     }
+    // On a mechanism each impulse moves all of its rows.
     kernels_->push_by_responses(&responses_[end.response + end.first * end.size], end.size, by.data(),
                                 block.dim, velocity);
   }
@@ -191,7 +181,7 @@ Tangential Rows::tangents_step(const RowBlock& block, double e1, double e2) cons
   // A sliding contact's friction must point against the sliding, so both directions take a step of the same
   // size.
   if (!is_within_disc(held, radius)) {
-    const double step = sliding_step(block);
+    const double step = block.sliding_step;
     held = within_disc({start[0] + step * e1, start[1] + step * e2}, radius);
   }
   return {held[0] - start[0], held[1] - start[1]};
@@ -223,15 +213,34 @@ double Rows::miss(const RowBlock& block, const std::array<double, 3>& errors) co
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
+double Rows::largest_miss_of(std::size_t block) {
+  errors_[block] = errors(blocks_[block]);
+  return miss(blocks_[block], errors_[block]);
+}
+
 double Rows::largest_miss() {
   count_work(island_->sweep_units);
   errors_.resize(blocks_.size());
   double largest = 0.0;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    errors_[i] = errors(blocks_[i]);
-    largest = std::max(largest, miss(blocks_[i], errors_[i]));
+  if (!are_contacts_laid_out()) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) largest = std::max(largest, largest_miss_of(i));
+    return largest;
   }
+  contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
+  largest = contact_lanes_.largest_miss();
+  for (const std::size_t i : contact_lanes_.others()) largest = std::max(largest, largest_miss_of(i));
   return largest;
+}
+
+bool Rows::are_contacts_laid_out() const {
+  return island_->laid_out_by == this && laid_out_island_ == island_;
+}
+
+void Rows::lay_out_contacts() {
+  if (are_contacts_laid_out()) return;
+  contact_lanes_.lay_out(blocks_);
+  island_->laid_out_by = this;
+  laid_out_island_ = island_;
 }
 
 double Rows::sweep(bool forwards) {

@@ -1,8 +1,4 @@
-// Rows are impulses with bounds: contacts, stops, drives at their limit, springs. A row asks for
-//   u + k lambda >= target  or  = target,  lambda within its bounds
-// Here u is a relative velocity, lambda the row's impulse and k its compliance. A contact has three rows.
-// Velocities are kept in one flat list: six for each body without joints that a row touches (angular, then
-// linear), and one for each row on a mechanism, whose rows answer each other by the mechanism's response W.
+// Solves rows (row_block.h) with their bounds, by islands.
 #pragma once
 
 #include <array>
@@ -11,78 +7,14 @@
 #include <vector>
 
 #include "server/dynamics/impulse/body_factor.h"
+#include "server/dynamics/impulse/contact_lanes.h"
 #include "server/dynamics/impulse/envelope_lu.h"
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
+#include "server/dynamics/impulse/row_block.h"
 #include "server/dynamics/impulse/work_budget.h"
 
 namespace visum::dynamics::impulse {
-
-// Smallest response that counts, as a share of the response without joints. Below it the joints hold the row
-// fast: nothing can move it, and the impulse of a contact or a stop is not defined there.
-inline constexpr double kRigid = 1e-9;
-
-// The directions of a block's rows on one body, angular before linear.
-using Reach = std::array<std::array<double, 6>, 3>;
-
-// One end of a block of rows: a body without joints, or a mechanism. Signs are part of J.
-struct RowEnd {
-  RowEnd() {}  // J and MJ stay unset: they are most of a block's size
-
-  std::size_t offset = 0;  // of the body's or the mechanism's velocities
-  // true: on a body without joints; false: on a mechanism
-  bool free = true;
-  Reach J, MJ;                // body: directions, and the velocity that a unit impulse along each gives
-  std::size_t mechanism = 0;  // mechanism: its index in the plant
-  std::size_t first = 0,
-              size = 0;  // mechanism: the first of the block's rows there, and the number of all rows there
-  std::size_t response = 0;  // mechanism: where its W begins in the responses
-};
-
-// Velocity along a direction, from the six velocities of a free body.
-inline double dot(const std::array<double, 6>& a, const double* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
-}
-
-// Up to three rows that share bodies and bounds. kContact: normal and two tangents. kTwist: torsional and
-// rolling friction of a contact. kBounded: one row with two bounds (stop, law, damping, spring).
-struct RowBlock {
-  RowBlock() {}  // leaves the large arrays unset, as RowEnd does
-
-  enum class Kind { kContact, kTwist, kBounded };
-  Kind kind = Kind::kBounded;
-  std::size_t dim = 1;  // number of rows; contact, twist: 3, the one along (about) the normal first
-  std::array<RowEnd, 2> ends;
-  std::size_t end_count = 0;
-
-  // The relative velocity that each row asks for, m/s or rad/s.
-  std::array<double, 3> target{};
-  double compliance = 0.0;          // bounded: k, in (m/s)/(N·s) or (rad/s)/(N·m·s)
-  double low = 0.0, high = 0.0;     // bounded: of lambda; contact: `low` is that of the normal
-  double friction = 0.0;            // contact: coefficient; twist: of rolling friction, m
-  double torsion = 0.0;             // twist: of torsional friction, m
-  std::size_t contact = 0;          // twist: the block whose normal presses on it, an earlier one
-  std::array<double, 3> base{};     // contact, twist: impulses of earlier moments, which count for the bounds
-  std::array<double, 3> lambda{};   // before solve(): where to start; after it: the solution
-  std::array<double, 3> applied{};  // the part of lambda that the velocities already contain
-
-  bool gives = false;  // contact: its normal yields a little (rows.cc), around the impulse `rest`
-  double rest = 0.0;
-
-  // The response that others are compared with. Contact, twist: of the bodies, as if they had no joints.
-  // Stop, law: of the axis, as if there were no loops.
-  double free_response = 0.0;
-
-  // Response of each row to itself, and fourth the two tangents' response to each other. Rows::respond() adds
-  // the bodies' part, Rows::prepare() the mechanisms', and prepare() also computes the members below.
-  std::array<double, 4> K{};
-  std::array<double, 3> inverse_tangential{};  // of the tangents' part of K, softened: entries 11, 12, 22
-  std::array<double, 3> softness{};            // of the proximal point, see rows.cc
-  // The proximal point: the impulses that the softness pulls towards.
-  std::array<double, 3> centre{};
-  bool drags = false;     // rows_active.cc: it slides, and its friction follows its normal
-  bool at_bound = false;  // rows_active.cc: its tangents have met their bound and stay there
-};
 
 class Rows;
 
@@ -103,23 +35,8 @@ struct RowIsland {
   // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
   const Rows* factored_by = nullptr;
   const Rows* paired_by = nullptr;
+  const Rows* laid_out_by = nullptr;  // and contacts side by side
 };
-
-// How much the velocity of a block's first row changes for a unit impulse.
-inline double stiffness_of(const RowBlock& block) {
-  return block.K[0] + block.compliance + block.softness[0];
-}
-
-// True if nothing can move the block's first row.
-inline bool is_rigid(const RowBlock& block) {
-  return !(stiffness_of(block) > kRigid * block.free_response);
-}
-
-// Step size for sliding: 1 over the larger eigenvalue of the tangents' response.
-inline double sliding_step(const RowBlock& block) {
-  const double a = block.K[1] + block.softness[1], b = block.K[3], c = block.K[2] + block.softness[2];
-  return 2.0 / (a + c + std::sqrt((a - c) * (a - c) + 4.0 * b * b));
-}
 
 // Solves an island of rows with bounds. Order of calls: fill an island, take(), prepare(), then solve() any
 // number of times. In between other islands may be taken. Owned by Bounded, used on the tick's thread.
@@ -129,7 +46,7 @@ class Rows {
  public:
   // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
   explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr)
-      : kernels_(&by), work_(work), factor_(by), body_factor_(by) {}
+      : kernels_(&by), work_(work), factor_(by), body_factor_(by), contact_lanes_(by) {}
   void take(RowIsland& island);  // what follows concerns this island, which must stay valid
   // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
   // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
@@ -208,7 +125,6 @@ class Rows {
   bool has(RowBlock::Kind kind) const;
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);
-  double error(const Row& row) const;
   // The miss of a row's equation, m/s or rad/s.
   double error(const RowBlock& block, std::size_t row) const;
   // The same for all rows of a block.
@@ -223,8 +139,12 @@ class Rows {
   Tangential tangents_step(const RowBlock& block, double e1, double e2) const;
   // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
-  // Largest miss of any block, without correcting it. Fills errors_.
+  // Largest miss of any block, and of one, without correcting it. Fills errors_.
   double largest_miss();
+  double largest_miss_of(std::size_t block);
+  // Lays the contacts of free bodies side by side, until the next prepare(), for a solution of many passes.
+  void lay_out_contacts();
+  bool are_contacts_laid_out() const;
   // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's
   // largest so far.
   double note_change();
@@ -317,16 +237,12 @@ class Rows {
   double softness(const Row& row) const;
   // True if all active rows are on free bodies only, and soft.
   bool bodies_alone() const;
-  // Direction of the row on a body.
-  static BodyFactor::Vector6 measure(const Row& row, const RowEnd& end);
-  // Impulse on a body for a unit impulse of the row, with the friction that it drags along.
-  BodyFactor::Vector6 push(const Row& row, const RowEnd& end) const;
+  // Finds what a row measures at an end, and how it pushes there: six numbers each.
+  static void direct(const Row& row, const RowEnd& end, double* measured, double* pushed);
   // The active rows from `i` on that belong to one block.
   std::span<const Row> rows_of_block(std::size_t i) const;
-  // Adds the rows of one block to the bodies' system.
-  void add_to_bodies(std::span<const Row> rows);
+  void find_body_rows();  // the active rows, as the bodies' system takes them
   bool factor_bodies(std::size_t most_entries);
-  void solve_bodies();
 
   // Counts work before it is done.
   void count_work(std::uint64_t units) const {
@@ -346,13 +262,14 @@ class Rows {
   std::span<const double> responses_;
   WorkBudget* work_;
   std::vector<Row> active_;
+  std::vector<double> active_softness_;  // since factor_active()
   std::vector<Group> groups_;
   EnvelopeLu factor_;
   BodyFactor body_factor_;
-  std::vector<double> body_steps_;
-  bool by_bodies_ = false;         // which of the two factors is in use
-  std::vector<double> pairs_;      // nine for each two blocks
-  std::vector<char> pairs_known_;  // for each two blocks; empty: they are not kept
+  std::vector<BodyRow> body_rows_;  // the factored rows, for the bodies' system
+  bool by_bodies_ = false;          // which of the two factors is in use
+  std::vector<double> pairs_;       // nine for each two blocks
+  std::vector<char> pairs_known_;   // for each two blocks; empty: they are not kept
   const RowIsland* paired_island_ = nullptr;
   // The factor that is kept: of which rows in which island, and the rows' softness.
   const RowIsland* factored_island_ = nullptr;
@@ -363,7 +280,9 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
-  // By block: what the rows miss, where largest_miss() has looked last.
+  ContactLanes contact_lanes_;
+  const RowIsland* laid_out_island_ = nullptr;
+  // By block: what the rows miss, where largest_miss() or find_missing() has looked last.
   std::vector<std::array<double, 3>> errors_;
   Point start_, last_, direction_;
 };

@@ -170,14 +170,14 @@ void Rows::find_active() {
 }
 
 bool Rows::is_factored() const {
-  if (island_->factored_by != this || factored_island_ != island_ || factored_ != active_) return false;
-  for (std::size_t i = 0; i < active_.size(); ++i)
-    if (factored_softness_[i] != softness(active_[i])) return false;
-  return true;
+  return island_->factored_by == this && factored_island_ == island_ && factored_ == active_ &&
+         factored_softness_ == active_softness_;
 }
 
 // Rows that all stick have the same system from pass to pass.
 bool Rows::factor_active() {
+  active_softness_.resize(active_.size());
+  std::ranges::transform(active_, active_softness_.begin(), [this](const Row& row) { return softness(row); });
   if (is_factored()) {
     // As if it were factored again: whether it is depends on the islands that the same thread has solved.
     count_work(factor_units_);
@@ -191,14 +191,13 @@ bool Rows::factor_active() {
   island_->factored_by = this;
   factored_island_ = island_;
   factored_ = active_;
-  factored_softness_.resize(active_.size());
-  for (std::size_t i = 0; i < active_.size(); ++i) factored_softness_[i] = softness(active_[i]);
+  factored_softness_ = active_softness_;
   return true;
 }
 
 void Rows::solve_factored() {
   if (by_bodies_)
-    solve_bodies();
+    body_factor_.solve(body_rows_, missing_);
   else
     factor_.solve(missing_);
 }
@@ -219,7 +218,7 @@ std::size_t Rows::factored_rows() const {
   const std::size_t most = std::min(active_.size(), factored_.size());
   std::size_t kept = 0;
   while (kept < most && factored_[kept] == active_[kept] &&
-         factored_softness_[kept] == softness(active_[kept]))
+         factored_softness_[kept] == active_softness_[kept])
     ++kept;
   return kept;
 }
@@ -249,7 +248,7 @@ bool Rows::factor_rows(std::size_t kept) {
     for (const Group& other : std::span(groups_.data(), &group + 1))
       if (other.begin >= factor_.first(group.begin)) add_responses(group, other, kept);
     for (std::size_t i = std::max(kept, group.begin); i < group.end; ++i)
-      factor_.at(i, i) += softness(active_[i]);
+      factor_.at(i, i) += active_softness_[i];
   }
   return factor_.factor();
 }
@@ -273,17 +272,21 @@ void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
   }
 }
 
-double Rows::error(const Row& row) const {
-  const RowBlock& block = blocks_[row.block];
-  if (row.row != kAcross) return error(block, row.row);
-  return row.across[0] * error(block, 1) + row.across[1] * error(block, 2);
-}
-
 double Rows::find_missing() {
+  const bool laid_out = are_contacts_laid_out();
+  if (laid_out) {
+    errors_.resize(blocks_.size());
+    contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
+    for (const std::size_t i : contact_lanes_.others()) errors_[i] = errors(blocks_[i]);
+  }
   missing_.resize(active_.size());
   double largest = 0.0;
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    missing_[i] = error(active_[i]);
+    const Row& row = active_[i];
+    const auto of = [&](std::size_t k) {
+      return laid_out ? errors_[row.block][k] : error(blocks_[row.block], k);
+    };
+    missing_[i] = row.row == kAcross ? row.across[0] * of(1) + row.across[1] * of(2) : of(row.row);
     largest = std::max(largest, std::abs(missing_[i]));
   }
   return largest;

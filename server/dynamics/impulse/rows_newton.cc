@@ -15,6 +15,7 @@
 // taken up again, and the caller goes on in another way.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -41,7 +42,7 @@ void Rows::project_contact(std::size_t index) {
   const double ahead = block.lambda[0] + normal_step(block, missing[0]);
   const bool open = !(ahead > block.low);
   const double radius = block.friction * std::max(0.0, ahead + block.base[0]);
-  const double step = sliding_step(block);
+  const double step = block.sliding_step;
   const Tangential to{block.lambda[1] + block.base[1] + step * missing[1],
                       block.lambda[2] + block.base[2] + step * missing[2]};
   if (open) change(block, {block.low - block.lambda[0], 0.0, 0.0});
@@ -93,8 +94,7 @@ bool Rows::newton_step() {
 void Rows::keep(Point& point) const {
   point.lambda.resize(3 * blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i)
-    std::copy(blocks_[i].lambda.begin(), blocks_[i].lambda.end(),
-              point.lambda.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    std::memcpy(&point.lambda[3 * i], blocks_[i].lambda.data(), sizeof(blocks_[i].lambda));
   point.velocities.assign(velocities_.begin(), velocities_.end());
 }
 
@@ -111,6 +111,7 @@ void Rows::put_back(const Point& point) {
 // One step more follows the first that is near enough: it costs little, and leaves next to nothing to drift
 // from tick to tick.
 double Rows::newton(double enough, int most_passes, bool exact) {
+  if (responses_.empty()) lay_out_contacts();
   double best = largest_miss();
   keep(last_);
   try {

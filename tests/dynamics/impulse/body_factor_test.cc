@@ -75,69 +75,73 @@ Lines make_rows(std::size_t count, const Pairs& ends, double drag) {
   return rows;
 }
 
-std::vector<std::size_t> bodies_of(const Lines& rows, Eigen::Index r) {
-  const auto [a, b] = rows.ends[static_cast<std::size_t>(r)];
-  return a == b ? std::vector{a} : std::vector{a, b};
-}
-
-BodyFactor::Vector6 part(const MatrixXd& of, Eigen::Index row, std::size_t body) {
-  BodyFactor::Vector6 result;
-  for (std::size_t k = 0; k < 6; ++k) result[k] = of(row, static_cast<Eigen::Index>(6 * body + k));
-  return result;
-}
-
-VectorXd change_by_bodies(const Lines& rows, bool symmetric, BodyFactor& factor) {
-  factor.start(rows.bodies, symmetric);
-  for (const auto& [a, b] : rows.ends) factor.connect(a, b);
-  EXPECT_TRUE(factor.place(100'000));
-  for (Eigen::Index r = 0; r < rows.J.rows(); ++r) {
-    for (const std::size_t a : bodies_of(rows, r)) {
-      BodyFactor::Vector6 push = part(rows.P, r, a);
-      for (double& entry : push) entry /= rows.softness[r];
-      for (const std::size_t b : bodies_of(rows, r)) {
-        const BodyFactor::Vector6 measure = part(rows.J, r, b);
-        factor.add(a, {&push, 1}, b, {&measure, 1});
+std::vector<BodyRow> body_rows(const Lines& lines) {
+  std::vector<BodyRow> rows(lines.ends.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto line = static_cast<Eigen::Index>(r);
+    const auto& [a, b] = lines.ends[r];
+    rows[r].softness = lines.softness[line];
+    rows[r].ends = a == b ? 1 : 2;
+    for (std::size_t e = 0; e < rows[r].ends; ++e) {
+      rows[r].body[e] = lines.ends[r][e];
+      for (std::size_t k = 0; k < 6; ++k) {
+        const auto column = static_cast<Eigen::Index>(6 * lines.ends[r][e] + k);
+        rows[r].measured[e][k] = lines.J(line, column);
+        rows[r].pushed[e][k] = lines.P(line, column);
       }
     }
   }
+  return rows;
+}
+
+// Rows in a row that have the same ends go into the factor together.
+VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, BodyFactor& factor) {
+  factor.start(lines.bodies, symmetric);
+  for (const auto& [a, b] : lines.ends) factor.connect(a, b);
+  EXPECT_TRUE(factor.place(100'000));
+  const std::vector<BodyRow> rows = body_rows(lines);
+  for (std::size_t r = 0; r < rows.size();) {
+    std::size_t end = r + 1;
+    while (end < rows.size() && end < r + 3 && lines.ends[end] == lines.ends[r]) ++end;
+    factor.add(std::span(rows).subspan(r, end - r));
+    r = end;
+  }
   EXPECT_TRUE(factor.factor());
-  const VectorXd pushed = rows.P.transpose() * rows.missing.cwiseQuotient(rows.softness);
-  std::vector<double> change(pushed.data(), pushed.data() + pushed.size());
-  factor.solve(change);
-  return Eigen::Map<const VectorXd>(change.data(), pushed.size());
+  VectorXd found = lines.missing;
+  factor.solve(rows, {found.data(), rows.size()});
+  return found;
 }
 
-VectorXd change_by_bodies(const Lines& rows, bool symmetric, const Kernels& by = kernels()) {
+VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, const Kernels& by = kernels()) {
   BodyFactor factor(by);
-  return change_by_bodies(rows, symmetric, factor);
+  return impulses_by_bodies(lines, symmetric, factor);
 }
 
-// (J M^-1 P^T + S) l = r, then dv = M^-1 P^T l.
-VectorXd change_by_rows(const Lines& rows) {
-  const MatrixXd pushed = rows.M.inverse() * rows.P.transpose();
-  MatrixXd response = rows.J * pushed;
-  response.diagonal() += rows.softness;
-  return pushed * response.fullPivLu().solve(rows.missing);
+// (J M^-1 P^T + S) l = r
+VectorXd impulses_by_rows(const Lines& lines) {
+  MatrixXd response = lines.J * lines.M.inverse() * lines.P.transpose();
+  response.diagonal() += lines.softness;
+  return response.fullPivLu().solve(lines.missing);
 }
 
-TEST(BodyFactor, ChangesVelocitiesAsTheRowsOwnSystemDoes) {
+TEST(BodyFactor, FindsTheImpulsesOfTheRowsOwnSystem) {
   const Lines rows = make_rows(6, chain(6), 0.0);
-  const VectorXd expected = change_by_rows(rows);
-  EXPECT_LT((change_by_bodies(rows, true) - expected).norm(), 1e-8 * expected.norm());
-  EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
+  const VectorXd expected = impulses_by_rows(rows);
+  EXPECT_LT((impulses_by_bodies(rows, true) - expected).norm(), 1e-8 * expected.norm());
+  EXPECT_LT((impulses_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
 }
 
 TEST(BodyFactor, KnowsFrictionThatIsDraggedAlong) {
   const Lines rows = make_rows(6, chain(6), 0.05);
-  const VectorXd expected = change_by_rows(rows);
-  EXPECT_LT((change_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
+  const VectorXd expected = impulses_by_rows(rows);
+  EXPECT_LT((impulses_by_bodies(rows, false) - expected).norm(), 1e-8 * expected.norm());
 }
 
 TEST(BodyFactor, SolvesForBodiesThatTouchAllAround) {
   for (const double drag : {0.0, 0.05}) {
     const Lines rows = make_rows(26, square_with_hub(5), drag);
-    const VectorXd expected = change_by_rows(rows);
-    EXPECT_LT((change_by_bodies(rows, drag == 0.0) - expected).norm(), 1e-8 * expected.norm());
+    const VectorXd expected = impulses_by_rows(rows);
+    EXPECT_LT((impulses_by_bodies(rows, drag == 0.0) - expected).norm(), 1e-8 * expected.norm());
   }
 }
 
@@ -145,17 +149,17 @@ TEST(BodyFactor, SolvesForBodiesThatTouchAllAround) {
 TEST(BodyFactor, HasTheSameBitsWhateverItSolvedBefore) {
   const Lines rows = make_rows(26, square_with_hub(5), 0.0), other = make_rows(26, chain(26), 0.0);
   BodyFactor used(kernels());
-  const VectorXd first = change_by_bodies(rows, true, used);
-  EXPECT_EQ(change_by_bodies(other, true, used), change_by_bodies(other, true));
-  EXPECT_EQ(change_by_bodies(rows, true, used), first);
+  const VectorXd first = impulses_by_bodies(rows, true, used);
+  EXPECT_EQ(impulses_by_bodies(other, true, used), impulses_by_bodies(other, true));
+  EXPECT_EQ(impulses_by_bodies(rows, true, used), first);
 }
 
 TEST(BodyFactor, HasTheSameBitsFromBothKernels) {
   if (kWideKernels == nullptr || !__builtin_cpu_supports("avx2")) GTEST_SKIP() << "no AVX2 here";
   for (const bool symmetric : {true, false}) {
     const Lines rows = make_rows(9, chain(9), symmetric ? 0.0 : 0.05);
-    EXPECT_EQ(change_by_bodies(rows, symmetric, kBaselineKernels),
-              change_by_bodies(rows, symmetric, *kWideKernels));
+    EXPECT_EQ(impulses_by_bodies(rows, symmetric, kBaselineKernels),
+              impulses_by_bodies(rows, symmetric, *kWideKernels));
   }
 }
 
@@ -217,34 +221,35 @@ TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
   EXPECT_TRUE(factor.place(36 * 15));  // six on the diagonal, five between neighbours, four across one
 }
 
-// A body of 1 kg with a row that pushes along (push_x, push_y) and measures along (1, 2).
-BodyFactor one_body(double push_x, double push_y) {
+// A row on one body that pushes along (x, y) and measures along (1, 2).
+BodyRow crooked_row(double x, double y) {
+  return {1.0, 1, {}, {{0.0, 0.0, 0.0, 1.0, 2.0, 0.0}}, {{0.0, 0.0, 0.0, x, y, 0.0}}};
+}
+
+// A body of 1 kg that has this row.
+BodyFactor one_body(const BodyRow& row) {
   static const std::vector<FreeBody> bodies{{1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}}};
-  const BodyFactor::Vector6 push{0.0, 0.0, 0.0, push_x, push_y, 0.0}, measure{0.0, 0.0, 0.0, 1.0, 2.0, 0.0};
   BodyFactor factor;
   factor.start(bodies, false);
   EXPECT_TRUE(factor.place(36));
-  factor.add(0, {&push, 1}, 0, {&measure, 1});
+  factor.add({&row, 1});
   return factor;
 }
 
 // Friction that a normal drags along can make the first pivot zero or negative where the whole is sound.
 TEST(BodyFactor, SolvesWhereASinglePivotIsNotPositive) {
-  for (const double push_x : {-1.0, -2.0}) {
-    BodyFactor factor = one_body(push_x, 3.0);
+  for (const double x : {-1.0, -2.0}) {
+    const BodyRow row = crooked_row(x, 3.0);
+    BodyFactor factor = one_body(row);
     ASSERT_TRUE(factor.factor());
-    std::vector<double> b{0.0, 0.0, 0.0, 1.0, 2.0, 0.0};
-    factor.solve(b);
-    Eigen::Matrix2d A;
-    A << 1.0 + push_x, 2.0 * push_x, 3.0, 7.0;
-    const Eigen::Vector2d expected = A.inverse() * Eigen::Vector2d(1.0, 2.0);
-    EXPECT_NEAR(b[3], expected[0], 1e-14);
-    EXPECT_NEAR(b[4], expected[1], 1e-14);
+    double impulse = 1.0;
+    factor.solve({&row, 1}, {&impulse, 1});
+    EXPECT_NEAR(impulse, 1.0 / (1.0 + x + 2.0 * 3.0), 1e-14);  // r/(s + j p)
   }
 }
 
 TEST(BodyFactor, SaysWhereABodyCannotBeSolvedFor) {
-  EXPECT_FALSE(one_body(-1.0, 0.0).factor());
+  EXPECT_FALSE(one_body(crooked_row(-1.0, 0.0)).factor());
 }
 
 }  // namespace

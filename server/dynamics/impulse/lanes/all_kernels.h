@@ -8,10 +8,12 @@
 
 #include "server/dynamics/impulse/lanes/blocks_kernels.h"
 #include "server/dynamics/impulse/lanes/bodies_kernels.h"
+#include "server/dynamics/impulse/lanes/contacts_kernels.h"
 #include "server/dynamics/impulse/lanes/joints_kernels.h"
 #include "server/dynamics/impulse/lanes/lanes.h"
 #include "server/dynamics/impulse/lanes/prediction_kernels.h"
 #include "server/dynamics/impulse/lanes/rows_kernels.h"
+#include "server/dynamics/impulse/lanes/six.h"
 #include "server/dynamics/impulse/lanes/tree_kernels.h"
 
 namespace visum::dynamics::impulse {
@@ -34,10 +36,15 @@ constexpr Kernels make_kernels(const char* build) {
           .keep_joints = keep_joints,
           .respond_to_rows = respond_to_rows,
           .respond_at_point = respond_at_point,
+          .push_body = push_body,
           .add_responses_of_rows = add_responses_of_rows,
           .push_by_responses = push_by_responses,
+          .find_errors_of_contacts = find_errors_of_contacts,
+          .find_misses_of_contacts = find_misses_of_contacts,
           .factor_blocks = factor_blocks,
-          .add_products = add_products,
+          .add_body_rows = add_body_rows,
+          .push_by_body_rows = push_by_body_rows,
+          .answer_body_rows = answer_body_rows,
           .factor_envelope = factor_envelope,
           .factor_tree = factor_tree,
           .load_tree = load_tree,

@@ -1,4 +1,4 @@
-// The matrices of body_factor.h and envelope_lu.h, as kernels see them.
+// The matrices and rows of body_factor.h and envelope_lu.h, as kernels see them.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +13,13 @@ struct BlockMatrix {
   double *lower, *upper;       // by block; upper: that of the transposed place
   std::size_t count;           // of columns
   bool symmetric;              // `upper` follows from `lower`
+};
+
+// A row on one or two bodies: what it measures and how it pushes there, six numbers each (angular, linear).
+struct BodyRow {
+  double softness;
+  std::size_t ends, body[2];
+  double measured[2][6], pushed[2][6];
 };
 
 // Each row is stored from its first entry that is not zero, each column likewise.

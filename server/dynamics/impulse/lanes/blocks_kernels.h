@@ -3,33 +3,11 @@
 // give the same bits.
 #pragma once
 
-#include "server/dynamics/impulse/lanes/lanes.h"
+#include "server/dynamics/impulse/lanes/blocks_data.h"
+#include "server/dynamics/impulse/lanes/six.h"
 
 namespace visum::dynamics::impulse {
 namespace {
-
-// A row of a block.
-struct Six {
-  Lanes four;
-  Pair two;
-};
-
-VISUM_LANES_INLINE Six load_six(const double* from) {
-  return {load(from), load_pair(from + 4)};
-}
-VISUM_LANES_INLINE void store_six(double* to, Six from) {
-  store(to, from.four);
-  store_pair(to + 4, from.two);
-}
-VISUM_LANES_INLINE Six operator+(Six a, Six b) {
-  return {a.four + b.four, a.two + b.two};
-}
-VISUM_LANES_INLINE Six operator-(Six a, Six b) {
-  return {a.four - b.four, a.two - b.two};
-}
-VISUM_LANES_INLINE Six operator*(double a, Six b) {
-  return {all(a) * b.four, Pair{a, a} * b.two};
-}
 
 // c -= a b
 VISUM_LANES_INLINE void subtract_product(double* c, const double* a, const double* b) {
@@ -51,72 +29,117 @@ VISUM_LANES_INLINE void multiply(double* a, const double* b) {
   }
 }
 
-// A step of Gauss-Jordan in place, with the pivot on the diagonal.
-VISUM_LANES_INLINE void eliminate(double* a, int k) {
-  const double inverse = 1.0 / a[7 * k];
-  a[7 * k] = 1.0;
-  const Six pivot = inverse * load_six(a + 6 * k);
-  store_six(a + 6 * k, pivot);
-  for (int i = 0; i < 6; ++i) {
-    if (i == k) continue;
-    const double factor = a[6 * i + k];
-    a[6 * i + k] = 0.0;
-    store_six(a + 6 * i, load_six(a + 6 * i) - factor * pivot);
+// A step of Gauss-Jordan in place, with the pivot on the diagonal. Rows are read and written as a whole: a
+// number that was stored alone would keep the next read of its row waiting.
+template <int k>
+VISUM_LANES_INLINE void eliminate(Six* rows) {
+  const double inverse = 1.0 / lane<k>(rows[k]);
+  const Six pivot = inverse * with_lane<k>(rows[k], 1.0);
+  rows[k] = pivot;
+  for (int i = 0; i < 6; ++i)
+    if (i != k) rows[i] = with_lane<k>(rows[i], 0.0) - lane<k>(rows[i]) * pivot;
+}
+
+// Steps k to 5, with a pivot that is chosen before each. Returns false where there is none.
+template <int k>
+VISUM_LANES_INLINE bool eliminate_from(Six* rows, const auto& choose_pivot) {
+  if constexpr (k < 6) {
+    if (!choose_pivot(k, [rows](int i) { return lane<k>(rows[i]); })) return false;
+    eliminate<k>(rows);
+    return eliminate_from<k + 1>(rows, choose_pivot);
   }
+  return true;
+}
+
+VISUM_LANES_INLINE void load_block(Six* rows, const double* from) {
+  for (int i = 0; i < 6; ++i) rows[i] = load_six(from + 6 * i);
+}
+VISUM_LANES_INLINE void store_block(double* to, const Six* rows) {
+  for (int i = 0; i < 6; ++i) store_six(to + 6 * i, rows[i]);
 }
 
 // Returns false where a pivot is not positive.
-bool invert(double* a) {
-  for (int k = 0; k < 6; ++k) {
-    if (!(a[7 * k] > 0.0)) return false;
-    eliminate(a, k);
-  }
+bool invert(double* to, const double* from) {
+  Six rows[6];
+  load_block(rows, from);
+  if (!eliminate_from<0>(rows, [](int k, const auto& of) { return of(k) > 0.0; })) return false;
+  store_block(to, rows);
   return true;
 }
 
 // The same with the largest pivot of each column. Returns false where there is none.
-bool invert_with_pivots(double* a) {
+bool invert_with_pivots(double* to, const double* from) {
+  Six rows[6];
+  load_block(rows, from);
   int order[6] = {0, 1, 2, 3, 4, 5};
-  for (int k = 0; k < 6; ++k) {
+  const bool found = eliminate_from<0>(rows, [&](int k, const auto& of) {
     int best = k;
     for (int i = k + 1; i < 6; ++i)
-      if (__builtin_fabs(a[6 * i + k]) > __builtin_fabs(a[6 * best + k])) best = i;
-    if (best != k) {
-      const Six row = load_six(a + 6 * k);
-      store_six(a + 6 * k, load_six(a + 6 * best));
-      store_six(a + 6 * best, row);
-      const int number = order[k];
-      order[k] = order[best];
-      order[best] = number;
-    }
-    if (!(__builtin_fabs(a[7 * k]) > 0.0)) return false;
-    eliminate(a, k);
-  }
+      if (__builtin_fabs(of(i)) > __builtin_fabs(of(best))) best = i;
+    const Six row = rows[k];
+    rows[k] = rows[best];
+    rows[best] = row;
+    const int number = order[k];
+    order[k] = order[best];
+    order[best] = number;
+    return __builtin_fabs(of(k)) > 0.0;
+  });
+  if (!found) return false;
   // Exchanged rows of the matrix are exchanged columns of the inverse.
   double mixed[36];
-  __builtin_memcpy(mixed, a, sizeof(mixed));
+  store_block(mixed, rows);
   for (int k = 0; k < 6; ++k)
-    for (int i = 0; i < 6; ++i) a[6 * i + order[k]] = mixed[6 * i + k];
+    for (int i = 0; i < 6; ++i) to[6 * i + order[k]] = mixed[6 * i + k];
   return true;
 }
 
-// c += sum x y^T over `count` rows of six.
-void add_products(double* c, const double* x, const double* y, std::size_t count) {
-  for (int i = 0; i < 6; ++i) {
-    Six sum = x[i] * load_six(y);
-    for (std::size_t r = 1; r < count; ++r) sum = sum + x[6 * r + i] * load_six(y + 6 * r);
-    store_six(c + 6 * i, load_six(c + 6 * i) + sum);
+// c_ab += sum p_a j_b^T / s over up to three rows on the same bodies, where c_ab is the block 2 a + b. Blocks
+// that are null are left out.
+void add_body_rows(const BodyRow* rows, std::size_t count, double* const* blocks) {
+  double grip[3] = {};
+  for (std::size_t r = 0; r < count; ++r) grip[r] = 1.0 / rows[r].softness;
+  for (std::size_t b = 0; b < rows->ends; ++b) {
+    Six j[3];
+    for (std::size_t r = 0; r < count; ++r) j[r] = load_six(rows[r].measured[b]);
+    for (std::size_t a = 0; a < rows->ends; ++a) {
+      double* const c = blocks[2 * a + b];
+      if (c == nullptr) continue;
+      for (std::size_t i = 0; i < 6; ++i) {
+        Six sum = (rows[0].pushed[a][i] * grip[0]) * j[0];
+        for (std::size_t r = 1; r < count; ++r) sum = sum + (rows[r].pushed[a][i] * grip[r]) * j[r];
+        store_six(c + 6 * i, load_six(c + 6 * i) + sum);
+      }
+    }
+  }
+}
+
+// to += sum p r / s
+void push_by_body_rows(const BodyRow* rows, std::size_t count, const double* missing, double* to) {
+  for (const BodyRow* row = rows; row != rows + count; ++row) {
+    const double impulse = missing[row - rows] / row->softness;
+    for (std::size_t e = 0; e < row->ends; ++e) {
+      double* const body = to + 6 * row->body[e];
+      store_six(body, load_six(body) + impulse * load_six(row->pushed[e]));
+    }
+  }
+}
+
+// r := (r - j v)/s
+void answer_body_rows(const BodyRow* rows, std::size_t count, const double* v, double* missing) {
+  for (const BodyRow* row = rows; row != rows + count; ++row) {
+    double left = missing[row - rows];
+    for (std::size_t e = 0; e < row->ends; ++e) {
+      const double *const j = row->measured[e], *const x = v + 6 * row->body[e];
+      left -= j[0] * x[0] + j[1] * x[1] + j[2] * x[2] + j[3] * x[3] + j[4] * x[4] + j[5] * x[5];
+    }
+    missing[row - rows] = left / row->softness;
   }
 }
 
 // The inverse of a block on the diagonal; false where there is none. Friction that is dragged along may make
 // single pivots of a sound block negative or zero; then rows are exchanged.
 bool invert_diagonal(double* to, const double* from, bool symmetric) {
-  __builtin_memcpy(to, from, 36 * sizeof(double));
-  if (invert(to)) return true;
-  if (symmetric) return false;
-  __builtin_memcpy(to, from, 36 * sizeof(double));
-  return invert_with_pivots(to);
+  return invert(to, from) || (!symmetric && invert_with_pivots(to, from));
 }
 
 // Column after column: L_ik = A_ik D_k^-1, then A_ij -= L_ik U_kj for each two blocks of the column

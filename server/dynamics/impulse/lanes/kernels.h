@@ -7,6 +7,7 @@
 
 #include "server/dynamics/impulse/lanes/blocks_data.h"
 #include "server/dynamics/impulse/lanes/bodies_data.h"
+#include "server/dynamics/impulse/lanes/contacts_data.h"
 #include "server/dynamics/impulse/lanes/joints_data.h"
 #include "server/dynamics/impulse/lanes/tree_data.h"
 
@@ -49,15 +50,22 @@ struct Kernels {
   void (*respond_at_point)(const double* frame, const double* lever, double sign,
                            const double* inverse_inertia, double inverse_mass, double* J, double* MJ,
                            double* K);
+  // Gives impulses on three rows to the velocity of the body that has them.
+  void (*push_body)(const double* MJ, const double* by, double* velocity);
   // Responses of three rows to three others on one body; and what impulses on rows of a mechanism do to all
   // of its rows.
   void (*add_responses_of_rows)(const double* J, const double* MJ, double* sums);
   void (*push_by_responses)(const double* response, std::size_t size, const double* by, std::size_t rows,
                             double* velocity);
-  // Systems of contacts (body_factor.h, envelope_lu.h): factors, false where there are none; and sums of
-  // products x y^T of rows of six, for a block.
+  // Contacts of free bodies, in blocks of four: errors, and then misses, of which the largest is returned.
+  void (*find_errors_of_contacts)(ContactBlock*, std::size_t count);
+  double (*find_misses_of_contacts)(ContactBlock*, std::size_t count);
+  // Systems of contacts (body_factor.h, envelope_lu.h): factors, false where there are none; and rows, put
+  // into a matrix and into its right side, and found from its solution.
   bool (*factor_blocks)(BlockMatrix);
-  void (*add_products)(double* block, const double* x, const double* y, std::size_t count);
+  void (*add_body_rows)(const BodyRow* rows, std::size_t count, double* const* blocks);
+  void (*push_by_body_rows)(const BodyRow* rows, std::size_t count, const double* missing, double* to);
+  void (*answer_body_rows)(const BodyRow* rows, std::size_t count, const double* v, double* missing);
   bool (*factor_envelope)(EnvelopeMatrix);
   // Recursions over a tree (tree.h): over all its rows, or over the rows begin..end-1.
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);

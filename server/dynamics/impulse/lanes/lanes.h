@@ -67,8 +67,14 @@ VISUM_LANES_INLINE Lanes operator-(Lanes a, Lanes b) {
 VISUM_LANES_INLINE Lanes operator*(Lanes a, Lanes b) {
   return {a.raw * b.raw};
 }
+VISUM_LANES_INLINE Lanes operator/(Lanes a, Lanes b) {
+  return {a.raw / b.raw};
+}
 VISUM_LANES_INLINE Lanes operator-(Lanes a) {
   return {-a.raw};
+}
+VISUM_LANES_INLINE Lanes root(Lanes a) {
+  return {_mm256_sqrt_pd(a.raw)};
 }
 VISUM_LANES_INLINE Lanes magnitude(Lanes a) {
   return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.raw)};
@@ -89,6 +95,9 @@ VISUM_LANES_INLINE Mask operator&(Mask a, Mask b) {
 }
 VISUM_LANES_INLINE Mask operator<=(Lanes a, Lanes b) {
   return {a.raw <= b.raw};
+}
+VISUM_LANES_INLINE Lanes choose(Mask mask, Lanes where, Lanes elsewhere) {
+  return {_mm256_blendv_pd(elsewhere.raw, where.raw, reinterpret_cast<Lanes::Raw>(mask.raw))};
 }
 VISUM_LANES_INLINE bool is_all(Mask mask) {
   return _mm256_movemask_pd(_mm256_castsi256_pd(reinterpret_cast<__m256i>(mask.raw))) == 15;
@@ -122,6 +131,15 @@ VISUM_LANES_INLINE Lanes after_next(Lanes a) {
 template <int k>
 VISUM_LANES_INLINE Lanes each(Lanes a) {  // lane k in all four lanes
   return {_mm256_permute4x64_pd(a.raw, k * 0b01'01'01'01)};
+}
+template <int k>
+VISUM_LANES_INLINE double lane(Lanes a) {
+  return a.raw[k];
+}
+template <int k>
+VISUM_LANES_INLINE Lanes with_lane(Lanes a, double value) {
+  a.raw[k] = value;
+  return a;
 }
 
 #else
@@ -173,8 +191,17 @@ VISUM_LANES_INLINE Lanes operator-(Lanes a, Lanes b) {
 VISUM_LANES_INLINE Lanes operator*(Lanes a, Lanes b) {
   return {a.lo * b.lo, a.hi * b.hi};
 }
+VISUM_LANES_INLINE Lanes operator/(Lanes a, Lanes b) {
+  return {a.lo / b.lo, a.hi / b.hi};
+}
 VISUM_LANES_INLINE Lanes operator-(Lanes a) {
   return {-a.lo, -a.hi};
+}
+VISUM_LANES_INLINE Pair root(Pair a) {
+  return Pair{__builtin_sqrt(a[0]), __builtin_sqrt(a[1])};
+}
+VISUM_LANES_INLINE Lanes root(Lanes a) {
+  return {root(a.lo), root(a.hi)};
 }
 VISUM_LANES_INLINE Lanes load3(const double* from) {
   return {load_pair(from), Pair{from[2], 0.0}};
@@ -201,6 +228,9 @@ VISUM_LANES_INLINE Mask operator&(Mask a, Mask b) {
 }
 VISUM_LANES_INLINE Mask operator<=(Lanes a, Lanes b) {
   return {a.lo <= b.lo, a.hi <= b.hi};
+}
+VISUM_LANES_INLINE Lanes choose(Mask mask, Lanes where, Lanes elsewhere) {
+  return {choose(mask.lo, where.lo, elsewhere.lo), choose(mask.hi, where.hi, elsewhere.hi)};
 }
 VISUM_LANES_INLINE bool is_all(Mask mask) {
   const PairMask both = mask.lo & mask.hi;
@@ -236,6 +266,15 @@ VISUM_LANES_INLINE Lanes each(Lanes a) {
   const Pair from = k < 2 ? a.lo : a.hi;
   const Pair pair = __builtin_shufflevector(from, from, k % 2, k % 2);
   return {pair, pair};
+}
+template <int k>
+VISUM_LANES_INLINE double lane(Lanes a) {
+  return (k < 2 ? a.lo : a.hi)[k % 2];
+}
+template <int k>
+VISUM_LANES_INLINE Lanes with_lane(Lanes a, double value) {
+  (k < 2 ? a.lo : a.hi)[k % 2] = value;
+  return a;
 }
 
 #endif

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "server/dynamics/impulse/lanes/lanes.h"
+#include "server/dynamics/impulse/lanes/six.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -46,6 +47,14 @@ void respond_at_point(const double* frame, const double* lever, double sign, con
     K[i] += dot(row[i], response[i]);
   }
   K[3] += dot(row[1], response[2]);
+}
+
+// velocity += sum of by_i MJ_i, for three rows. Rows with an impulse of zero change nothing.
+void push_body(const double* MJ, const double* by, double* velocity) {
+  Six now = load_six(velocity);
+  for (int i = 0; i < 3; ++i)
+    if (by[i] != 0.0) now = now + by[i] * load_six(MJ + 6 * i);
+  store_six(velocity, now);
 }
 
 // sums_rs += J_r MJ_s for three rows each, of two ends on one body.
