@@ -8,12 +8,12 @@ namespace {
 constexpr std::size_t kLanes = 4;
 
 bool is_of_free_bodies(const RowBlock& block) {
-  return block.kind == RowBlock::Kind::kContact &&
+  return block.kind == RowBlock::Kind::kContact && block.end_count > 0 &&
          std::all_of(block.ends.begin(), block.ends.begin() + static_cast<std::ptrdiff_t>(block.end_count),
                      [](const RowEnd& end) { return end.free; });
 }
 
-// What stays.
+// Copies the members that stay.
 void lay_out(ContactBlock& to, std::size_t lane, const RowBlock& block) {
   for (std::size_t e = 0; e < 2; ++e)
     for (std::size_t i = 0; i < 3; ++i)
@@ -24,7 +24,7 @@ void lay_out(ContactBlock& to, std::size_t lane, const RowBlock& block) {
   to.least_stiffness[lane] = kRigid * block.free_response;
 }
 
-// What changes.
+// Copies the members that change.
 void lay_out_changes(ContactBlock& to, std::size_t lane, const RowBlock& block, const double* velocities) {
   for (std::size_t e = 0; e < 2; ++e) {
     const double* const velocity = velocities + block.ends[e < block.end_count ? e : 0].offset;
@@ -67,7 +67,7 @@ void ContactLanes::find_errors(std::span<const RowBlock> blocks, const double* v
       errors[blocks_[lane]][i] = contacts_[lane / kLanes].errors[i][lane % kLanes];
 }
 
-double ContactLanes::largest_miss() {
+double ContactLanes::largest_miss() const {
   return kernels_->find_misses_of_contacts(contacts_.data(), blocks_.size() / kLanes);
 }
 

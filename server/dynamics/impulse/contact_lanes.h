@@ -21,11 +21,11 @@ class ContactLanes {
   // Takes the contacts of free bodies from the blocks, whose directions and responses must then stay.
   void lay_out(std::span<const RowBlock> blocks);
   std::span<const std::size_t> others() const { return others_; }  // the blocks that are not taken
-  // What each row of those contacts misses now, m/s: into `errors`, by block.
+  // Puts into `errors`, by block, how much each row of those contacts misses now, m/s.
   void find_errors(std::span<const RowBlock> blocks, const double* velocities,
                    std::span<std::array<double, 3>> errors);
   // The largest miss of those contacts, m/s, where find_errors() has looked last. A NaN counts as 0.
-  double largest_miss();
+  double largest_miss() const;
 
  private:
   const Kernels* kernels_;

@@ -14,9 +14,8 @@ struct ContactBlock {
   Four compliance, low, friction, inverse_tangential[3], sliding_step;
   Four least_stiffness;  // a normal that is no stiffer cannot be moved
 
-  // What the kernels find.
-  Four errors[3];  // target - velocity - compliance lambda - softness (lambda - centre)
-  Four miss;       // how much velocity is missing where the bounds allow to give it
+  // Found by a kernel: target - velocity - compliance lambda - softness (lambda - centre).
+  Four errors[3];
 };
 
 }  // namespace visum::dynamics::impulse

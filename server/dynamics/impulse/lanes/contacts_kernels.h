@@ -48,10 +48,11 @@ VISUM_LANES_INLINE TangentialLanes tangents_step(const ContactBlock& block) {
   return {choose(holds, held1, slid1) - start1, choose(holds, held2, slid2) - start2};
 }
 
-// Comes after find_errors_of_contacts(). Returns the largest.
-double find_misses_of_contacts(ContactBlock* blocks, std::size_t count) {
+// The largest velocity that is missing where the bounds allow to give it. Comes after
+// find_errors_of_contacts().
+double find_misses_of_contacts(const ContactBlock* blocks, std::size_t count) {
   Lanes largest = all(0.0);
-  for (ContactBlock* block = blocks; block != blocks + count; ++block) {
+  for (const ContactBlock* block = blocks; block != blocks + count; ++block) {
     const Lanes stiffness = load(block->K[0]) + load(block->compliance) + load(block->softness[0]);
     const Lanes now = load(block->lambda[0]), next = now + load(block->errors[0]) / stiffness;
     const Lanes by = larger(next, load(block->low)) - now;
@@ -60,7 +61,6 @@ double find_misses_of_contacts(ContactBlock* blocks, std::size_t count) {
     miss = larger(magnitude(along.x) * load(block->K[1]), miss);
     miss = larger(magnitude(along.y) * load(block->K[2]), miss);
     miss = choose(stiffness <= load(block->least_stiffness), all(0.0), miss);
-    store(block->miss, miss);
     largest = larger(miss, largest);
   }
   double each[4];

@@ -59,7 +59,7 @@ struct Kernels {
                             double* velocity);
   // Contacts of free bodies, in blocks of four: errors, and then misses, of which the largest is returned.
   void (*find_errors_of_contacts)(ContactBlock*, std::size_t count);
-  double (*find_misses_of_contacts)(ContactBlock*, std::size_t count);
+  double (*find_misses_of_contacts)(const ContactBlock*, std::size_t count);
   // Systems of contacts (body_factor.h, envelope_lu.h): factors, false where there are none; and rows, put
   // into a matrix and into its right side, and found from its solution.
   bool (*factor_blocks)(BlockMatrix);

@@ -30,8 +30,10 @@ VISUM_LANES_INLINE Six operator*(double a, Six b) {
 
 template <int k>
 VISUM_LANES_INLINE double lane(const Six& a) {
-  if constexpr (k < 4) return lane<k>(a.four);
-  return a.two[k % 4 % 2];
+  if constexpr (k < 4)
+    return lane<k>(a.four);
+  else
+    return a.two[k - 4];
 }
 template <int k>
 VISUM_LANES_INLINE Six with_lane(Six a, double value) {
