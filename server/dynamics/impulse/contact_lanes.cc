@@ -7,12 +7,6 @@ namespace {
 
 constexpr std::size_t kLanes = 4;
 
-bool is_of_free_bodies(const RowBlock& block) {
-  return block.kind == RowBlock::Kind::kContact && block.end_count > 0 &&
-         std::all_of(block.ends.begin(), block.ends.begin() + static_cast<std::ptrdiff_t>(block.end_count),
-                     [](const RowEnd& end) { return end.free; });
-}
-
 // Copies the members that stay.
 void lay_out(ContactBlock& to, std::size_t lane, const RowBlock& block) {
   for (std::size_t e = 0; e < 2; ++e)
@@ -27,8 +21,9 @@ void lay_out(ContactBlock& to, std::size_t lane, const RowBlock& block) {
 // Copies the members that change.
 void lay_out_changes(ContactBlock& to, std::size_t lane, const RowBlock& block, const double* velocities) {
   for (std::size_t e = 0; e < 2; ++e) {
-    const double* const velocity = velocities + block.ends[e < block.end_count ? e : 0].offset;
-    for (std::size_t k = 0; k < 6; ++k) to.velocity[e][k][lane] = velocity[k];
+    const bool is_there = e < block.end_count;
+    const double* const velocity = is_there ? velocities + block.ends[e].offset : nullptr;
+    for (std::size_t k = 0; k < 6; ++k) to.velocity[e][k][lane] = is_there ? velocity[k] : 0.0;
   }
   for (std::size_t i = 0; i < 3; ++i) {
     to.target[i][lane] = block.target[i];
@@ -49,7 +44,7 @@ void ContactLanes::lay_out(std::span<const RowBlock> blocks) {
   blocks_.clear();
   others_.clear();
   for (std::size_t i = 0; i < blocks.size(); ++i)
-    (is_of_free_bodies(blocks[i]) ? blocks_ : others_).push_back(i);
+    (blocks[i].kind == RowBlock::Kind::kContact ? blocks_ : others_).push_back(i);
   // The last contact fills the lanes that are left.
   while (blocks_.size() % kLanes != 0) blocks_.push_back(blocks_.back());
   contacts_.resize(std::max(contacts_.size(), blocks_.size() / kLanes));

@@ -18,7 +18,8 @@ class ContactLanes {
  public:
   explicit ContactLanes(const Kernels& by = kernels()) : kernels_(&by) {}
 
-  // Takes the contacts of free bodies from the blocks, whose directions and responses must then stay.
+  // Takes the contacts from blocks that are on free bodies alone. Their directions, responses and compliance
+  // must then stay.
   void lay_out(std::span<const RowBlock> blocks);
   std::span<const std::size_t> others() const { return others_; }  // the blocks that are not taken
   // Puts into `errors`, by block, how much each row of those contacts misses now, m/s.

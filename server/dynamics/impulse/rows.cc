@@ -213,23 +213,29 @@ double Rows::miss(const RowBlock& block, const std::array<double, 3>& errors) co
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
 }
 
-double Rows::largest_miss_of(std::size_t block) {
-  errors_[block] = errors(blocks_[block]);
-  return miss(blocks_[block], errors_[block]);
-}
-
 double Rows::largest_miss() {
   count_work(island_->sweep_units);
-  errors_.resize(blocks_.size());
+  find_errors();
   double largest = 0.0;
-  if (!are_contacts_laid_out()) {
-    for (std::size_t i = 0; i < blocks_.size(); ++i) largest = std::max(largest, largest_miss_of(i));
-    return largest;
+  const auto look_at = [&](std::size_t i) { largest = std::max(largest, miss(blocks_[i], errors_[i])); };
+  if (are_contacts_laid_out()) {
+    largest = contact_lanes_.largest_miss();
+    std::ranges::for_each(contact_lanes_.others(), look_at);
+  } else {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) look_at(i);
   }
-  contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
-  largest = contact_lanes_.largest_miss();
-  for (const std::size_t i : contact_lanes_.others()) largest = std::max(largest, largest_miss_of(i));
   return largest;
+}
+
+void Rows::find_errors() {
+  errors_.resize(blocks_.size());
+  const auto look_at = [&](std::size_t i) { errors_[i] = errors(blocks_[i]); };
+  if (are_contacts_laid_out()) {
+    contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
+    std::ranges::for_each(contact_lanes_.others(), look_at);
+  } else {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) look_at(i);
+  }
 }
 
 bool Rows::are_contacts_laid_out() const {
@@ -323,7 +329,7 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   const double enough = std::max(least, share * note_change());
   island_->solved = follow_points(enough) ||
                     (softly && !at_first && follow_soft_points(largest_miss(), least, share)) ||
-                    sweep_and_accelerate(most_sweeps, enough) <= enough;
+                    (sweep_and_accelerate(most_sweeps, enough) <= enough && left_by_softness() <= enough);
   return missed;
 }
 

@@ -29,7 +29,7 @@ struct RowIsland {
   bool movable = false;               // every row can be moved; prepare() finds that
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
-  bool solved = false;                // the last solve() left no more than it was allowed to
+  bool solved = false;                // the last solve() left no more than allowed, where it looked last
   bool changed = false;               // the last solve() has changed the velocities
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
   // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
@@ -139,10 +139,11 @@ class Rows {
   Tangential tangents_step(const RowBlock& block, double e1, double e2) const;
   // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
-  // Largest miss of any block, and of one, without correcting it. Fills errors_.
+  // Largest miss of any block, without correcting it. Calls find_errors(), which fills errors_.
   double largest_miss();
-  double largest_miss_of(std::size_t block);
-  // Lays the contacts of free bodies side by side, until the next prepare(), for a solution of many passes.
+  void find_errors();
+  // Lays the contacts of an island without mechanisms side by side, until the next prepare(). That pays where
+  // many passes follow.
   void lay_out_contacts();
   bool are_contacts_laid_out() const;
   // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's

@@ -184,7 +184,9 @@ bool Rows::factor_active() {
     return true;
   }
   const std::size_t kept = factored_rows();
+  // Where this fails, no island has a factor any more.
   island_->factored_by = nullptr;
+  factored_island_ = nullptr;
   factor_units_ = 0;
   by_bodies_ = bodies_alone();
   if (!(by_bodies_ ? factor_bodies(kMostEntries) : factor_rows(kept))) return false;
@@ -274,11 +276,7 @@ void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
 
 double Rows::find_missing() {
   const bool laid_out = are_contacts_laid_out();
-  if (laid_out) {
-    errors_.resize(blocks_.size());
-    contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
-    for (const std::size_t i : contact_lanes_.others()) errors_[i] = errors(blocks_[i]);
-  }
+  if (laid_out) find_errors();
   missing_.resize(active_.size());
   double largest = 0.0;
   for (std::size_t i = 0; i < active_.size(); ++i) {

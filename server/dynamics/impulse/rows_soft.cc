@@ -19,8 +19,8 @@ constexpr int kMostSoftPoints = 50, kMostFailures = 15;  // in one solution
 constexpr int kMostLastPoints = 4;                       // at the least softness, at its end
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
-// this share of what the one before it left with the same softness. More points are no help then, so from
-// there on a solution may leave so many times what is enough.
+// more than this share of what the one before it left with the same softness. More points are no help then,
+// so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
@@ -95,8 +95,8 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
   }
   hold_softly(least_softness());
   if (!softened) return near;
-  // Errors of rest add up from tick to tick, so the last points are as firm as all others are. Each may move
-  // along what the one before it has left out.
+  // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what
+  // the one before it has left.
   for (int point = 0; near && point < kMostLastPoints; ++point) {
     move_centres(0.0);
     if (!(newton(enough, kMostNewtonPasses, true) <= allowed())) return false;

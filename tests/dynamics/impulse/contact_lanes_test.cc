@@ -145,16 +145,10 @@ TEST(ContactLanes, MissWhatEachContactMissesAlone) {
   if (kWideKernels != nullptr && __builtin_cpu_supports("avx2")) expect_the_same_as_alone(*kWideKernels);
 }
 
-TEST(ContactLanes, LeaveOutWhatIsNoContactOfFreeBodies) {
+TEST(ContactLanes, LeaveOutWhatIsNoContact) {
   ContactScene scene(1, kernels());
   ASSERT_EQ(scene.lanes().others().size(), 1u);
   EXPECT_EQ(scene.blocks()[scene.lanes().others()[0]].kind, RowBlock::Kind::kBounded);
-  std::vector<RowBlock> blocks = scene.blocks();
-  blocks[0].ends[0].free = false;
-  ContactLanes lanes;
-  lanes.lay_out(blocks);
-  EXPECT_EQ(std::vector<std::size_t>(lanes.others().begin(), lanes.others().end()),
-            (std::vector<std::size_t>{0, 2}));
 }
 
 }  // namespace

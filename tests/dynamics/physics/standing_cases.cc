@@ -149,8 +149,8 @@ Dominoes tip_dominoes(const world::EngineSetting& engine, double pitch) {
   return found;
 }
 
-// Five rows, some 3 cm apart. The rise depends on when in a tick each domino lands, by a factor of ten from
-// one pitch to the next: the median counts. All dominoes of all rows must fall.
+// Five rows of dominoes that stand some 3 cm apart. The rise depends on when in a tick each domino lands, by
+// a factor of up to ten from one pitch to the next, so that the median says more than the largest.
 std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
   double standing = 0.0;
   std::vector<double> rises;
@@ -160,7 +160,7 @@ std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
     rises.push_back(found.rise);
   }
   std::ranges::sort(rises);
-  return {standing, rises[2]};
+  return {standing, rises[2], rises.back()};
 }
 
 // A ball of 2 cm whose centre of mass lies 3 mm below its centre, spun fast and a little tilted, turns over.
@@ -209,7 +209,7 @@ std::vector<Case> standing_cases() {
       {"K20",
        "DominoesTipEachOther",
        "closed form: all fall, E falls, and rises by no more than it takes to lift what has sunk in",
-       {{"standing", 0.0}, {"rise", 6e-3}},
+       {{"standing", 0.0}, {"rise", 6e-3}, {"largest_rise", 6e-3}},
        fall_as_dominoes},
       {"K21",
        "TippeTopTurnsOver",

@@ -60,7 +60,7 @@ double find_misses_of_contacts(const ContactBlock* blocks, std::size_t count) {
     Lanes miss = larger(magnitude(by) * stiffness, all(0.0));
     miss = larger(magnitude(along.x) * load(block->K[1]), miss);
     miss = larger(magnitude(along.y) * load(block->K[2]), miss);
-    miss = choose(stiffness <= load(block->least_stiffness), all(0.0), miss);
+    miss = choose(load(block->least_stiffness) < stiffness, miss, all(0.0));
     largest = larger(miss, largest);
   }
   double each[4];

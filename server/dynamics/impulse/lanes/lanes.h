@@ -96,6 +96,9 @@ VISUM_LANES_INLINE Mask operator&(Mask a, Mask b) {
 VISUM_LANES_INLINE Mask operator<=(Lanes a, Lanes b) {
   return {a.raw <= b.raw};
 }
+VISUM_LANES_INLINE Mask operator<(Lanes a, Lanes b) {
+  return {a.raw < b.raw};
+}
 VISUM_LANES_INLINE Lanes choose(Mask mask, Lanes where, Lanes elsewhere) {
   return {_mm256_blendv_pd(elsewhere.raw, where.raw, reinterpret_cast<Lanes::Raw>(mask.raw))};
 }
@@ -228,6 +231,9 @@ VISUM_LANES_INLINE Mask operator&(Mask a, Mask b) {
 }
 VISUM_LANES_INLINE Mask operator<=(Lanes a, Lanes b) {
   return {a.lo <= b.lo, a.hi <= b.hi};
+}
+VISUM_LANES_INLINE Mask operator<(Lanes a, Lanes b) {
+  return {a.lo < b.lo, a.hi < b.hi};
 }
 VISUM_LANES_INLINE Lanes choose(Mask mask, Lanes where, Lanes elsewhere) {
   return {choose(mask.lo, where.lo, elsewhere.lo), choose(mask.hi, where.hi, elsewhere.hi)};
