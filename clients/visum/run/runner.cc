@@ -308,6 +308,7 @@ void Run::keep() {
     pace();
     session_.send_steps(1, step_ticks_, {}, 0);
     session_.take_step();
+    announcements_.flush(session_);  // the last lines of controllers
   }
 }
 

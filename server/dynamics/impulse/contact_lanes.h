@@ -1,6 +1,5 @@
-// Contacts of bodies without joints, laid out four side by side for kernels (lanes/contacts_data.h). They
-// find what contacts miss in a quarter of the instructions, with the bits that Rows finds for each block
-// alone.
+// Contacts of bodies without joints, laid out four side by side for kernels (lanes/contacts_data.h). The
+// results have the bits that Rows finds for each contact alone.
 #pragma once
 
 #include <array>

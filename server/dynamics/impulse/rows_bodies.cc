@@ -25,9 +25,11 @@ bool Rows::bodies_alone() const {
 
 // It pushes along what it measures, and along the friction that it drags.
 void Rows::direct(const Row& row, const RowEnd& end, double* measured, double* pushed) {
-  std::array<double, 6> along = end.J[row.row % kAcross];
+  std::array<double, 6> along;
   if (row.row == kAcross)
     for (std::size_t k = 0; k < 6; ++k) along[k] = row.across[0] * end.J[1][k] + row.across[1] * end.J[2][k];
+  else
+    along = end.J[row.row];
   std::memcpy(measured, along.data(), sizeof(along));
   std::memcpy(pushed, along.data(), sizeof(along));
   for (std::size_t i = 0; i < 2; ++i)

@@ -95,9 +95,13 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
   }
   hold_softly(least_softness());
   if (!softened) return near;
+  if (!near) {
+    move_centres(0.0);
+    return false;
+  }
   // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what
   // the one before it has left.
-  for (int point = 0; near && point < kMostLastPoints; ++point) {
+  for (int point = 0; point < kMostLastPoints; ++point) {
     move_centres(0.0);
     if (!(newton(enough, kMostNewtonPasses, true) <= allowed())) return false;
     if (left_by_softness() <= allowed()) return true;

@@ -7,6 +7,7 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -90,6 +91,32 @@ def task(daemon, *options):
 
 def port(daemon, name):
     return float(daemon.visum("get", "arm", name).stdout)
+
+
+class Watch:
+    """Every sample of a port for the length of a `with`, however busy the machine is."""
+
+    def __init__(self, daemon, name):
+        self.name = name
+        self.command = [BIN / "visum", "watch", "arm", name, "--every", "10", "--json", "--connect", daemon.connect]
+
+    def __enter__(self):
+        self.file = tempfile.TemporaryFile("w+")
+        self.process = subprocess.Popen(self.command, stdout=self.file)
+        return self
+
+    def samples(self):
+        """Ends it."""
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(timeout=DEADLINE_S)
+        self.file.seek(0)
+        return [json.loads(line)["ports"][self.name] for line in self.file]
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.file.close()
 
 
 class Lockstep(unittest.TestCase):
@@ -238,12 +265,12 @@ class RealTime(unittest.TestCase):
     def drive(self, *arms):
         """Runs the whole controller with these arms below it. Returns the largest first angle of each arm."""
         lower = [word for arm in arms for word in ("--lower", f"arm@{arm.connect}")]
-        seen = [0.0 for _ in arms]
-        with Part("hardware", *lower, "--port", 0) as one, motion(arms[0]) as two, task(arms[0]) as top:
-            deadline = time.monotonic() + DEADLINE_S
-            while top.process.poll() is None and time.monotonic() < deadline:
-                seen = [max(angle, port(arm, "Actual Angle 1")) for angle, arm in zip(seen, arms)]
+        with contextlib.ExitStack() as stack:
+            watches = [stack.enter_context(Watch(arm, "Actual Angle 1")) for arm in arms]
+            one = stack.enter_context(Part("hardware", *lower, "--port", 0))
+            two, top = stack.enter_context(motion(arms[0])), stack.enter_context(task(arms[0]))
             self.assertEqual(top.wait(), 0, top.__dict__.get("said"))
+            seen = [max(watch.samples()) for watch in watches]
             for part in (two, one):
                 part.process.send_signal(signal.SIGINT)
                 self.assertEqual(part.wait(), 130, part.said)

@@ -3,8 +3,8 @@
 
 namespace visum::dynamics::impulse {
 
-// Members are those of a block of rows (rows.h), with a lane for each of four contacts. The normal is the
-// first row. Lanes without a second end have zeros there.
+// Members are those of a block of rows (row_block.h), with a lane for each of four contacts. The normal is
+// the first row. Lanes without a second end have zeros there.
 struct ContactBlock {
   using Four = double[4];
 
