@@ -121,7 +121,6 @@ pageTest("a slow arm stays on its line, and is offered its speed", async (page) 
 pageTest("in a fault the tool takes nothing; a switched-off drive gets its supply off and on, and needs its rest", async (page) => {
   await openTool(page);
   await page.evaluate(() => visum.write("arm", "Desired Angle 2", 0.95)); // into the table
-  await page.getByRole("combobox", { name: "Speed" }).selectOption("10×");
   const end = chip(page).getByRole("button", { name: "Supply off and on, Reset" });
   await end.waitFor();
   await until(page, () => /arm is in fault; see the bar above/.test(document.querySelector(".tool-notice").textContent));
@@ -132,6 +131,8 @@ pageTest("in a fault the tool takes nothing; a switched-off drive gets its suppl
   assert.match(await chip(page).locator(".chip-reason").textContent(), /switch the supply off and on, wait \d+ s, then Reset/);
   await end.click();
   await page.getByText(/arm: Reset did not end the fault\. joint_2: /).waitFor();
+  // Not before: the drive's rest would be over before the page's next click.
+  await page.getByRole("combobox", { name: "Speed" }).selectOption("10×");
   const from = await page.evaluate(() => visum.simTime());
   await until(page, (time) => visum.simTime() > time + 20, from);
   await end.click();
