@@ -41,6 +41,9 @@ struct JointInfo {
   double initial_position = 0.0;
   double maximum_speed = 0.0;   // rad/s or m/s; 0: the model gives none
   double maximum_effort = 0.0;  // N·m or N; 0: the model gives none
+  // The engine moves the joint in a tick by the mean of its speeds before and after; otherwise by the one
+  // after.
+  bool moves_by_mean_speed = false;
 };
 
 struct PartContext {

@@ -31,7 +31,8 @@ struct Command {
 class Drive {
  public:
   // Starts at rest. All its joints stand at the same position, and these positions add up to `position`.
-  Drive(const DriveData& data, double position, bool homed, double tick_s);
+  // `joints_move_by_mean_speed`: hwparts::JointInfo::moves_by_mean_speed, of all of them.
+  Drive(const DriveData& data, double position, bool homed, double tick_s, bool joints_move_by_mean_speed);
 
   // ---- the tick ----
 
@@ -135,6 +136,7 @@ class Drive {
 
   DriveData data_;
   double tick_s_;
+  bool joints_move_by_mean_speed_;
   double period_s_;           // of the servo loop
   std::uint32_t loop_ticks_;  // the same in ticks
   DriveState initial_;

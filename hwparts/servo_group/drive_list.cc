@@ -102,7 +102,10 @@ DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector
   DriveEntry drive;
   drive.data = drive::read_drive_data(entry, context.joints[joints.front()].prismatic,
                                       bounds_of(context, joints, number));
-  for (std::size_t joint : joints) drive.initial_position += context.joints[joint].initial_position;
+  for (std::size_t joint : joints) {
+    drive.initial_position += context.joints[joint].initial_position;
+    drive.joints_move_by_mean_speed &= context.joints[joint].moves_by_mean_speed;
+  }
   drive.joints = std::move(joints);
   check_start(entry, drive);
   check_period(entry, drive.data.loop.period, context.tick_s);

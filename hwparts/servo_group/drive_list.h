@@ -22,8 +22,9 @@ namespace visum::servo_group {
 
 struct DriveEntry {
   drive::DriveData data;
-  std::vector<std::size_t> joints;  // indices into PartContext::joints
-  double initial_position = 0.0;    // module's coordinate: the sum of its joints' positions
+  std::vector<std::size_t> joints;        // indices into PartContext::joints
+  double initial_position = 0.0;          // module's coordinate: the sum of its joints' positions
+  bool joints_move_by_mean_speed = true;  // JointInfo::moves_by_mean_speed of all
 };
 
 struct DriveList {

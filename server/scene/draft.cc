@@ -4,6 +4,7 @@
 
 #include "protocol/config/number_text.h"
 #include "protocol/config/unknown_name.h"
+#include "protocol/plugin/library.h"
 #include "server/scene/hulls.h"
 #include "server/scene/mesh_readers.h"
 #include "server/world/joint_kinds.h"
@@ -91,9 +92,10 @@ world::SurfaceId Draft::surface_like(const world::Surface& values, const config:
   return {static_cast<std::int32_t>(surfaces.size() - 1)};
 }
 
-bool Draft::has_springs(std::int32_t engine) const {
+bool Draft::is_impulse(std::int32_t engine) const {
   const std::string& given = scene.world.engines[static_cast<std::size_t>(engine)].name;
-  return (engine_option.empty() ? given : engine_option) == "impulse";
+  const std::string& name = engine_option.empty() ? given : engine_option;
+  return name == "impulse" && !plugin::find_engine(scene.plugins, name);
 }
 
 std::int32_t Draft::material(const config::Node& node) const {

@@ -56,8 +56,9 @@ class Draft {
   world::SurfaceId surface(const config::Node& node) const;
   // The surface of these values. Adds it, named after them, if there is none.
   world::SurfaceId surface_like(const world::Surface& values, const config::Place& place);
-  // True if the engine of this number has springs.
-  bool has_springs(std::int32_t engine) const;
+  // True if the engine of this number is `impulse`, of Visum: it has springs and screws, and moves joints by
+  // the mean of a tick's speeds.
+  bool is_impulse(std::int32_t engine) const;
   std::int32_t material(const config::Node& node) const;
   std::int32_t engine(const config::Node& node) const;
   world::Pose frame(const config::Node& node) const;

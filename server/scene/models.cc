@@ -262,7 +262,7 @@ class Placement {
   }
 
   bool is_lost_spring(const RobotJoint& from) {
-    if (world::info(from.joint.kind).holds_anything || draft_.has_springs(engine_)) return false;
+    if (world::info(from.joint.kind).holds_anything || draft_.is_impulse(engine_)) return false;
     robot_.losses.push_back(
         {"'" + from.joint.name + "' is not simulated: " + kNoSprings, from.line, from.file});
     return true;
@@ -272,7 +272,7 @@ class Placement {
   void add_spring(const RobotJoint& from, const world::Joint& beside) {
     const char* fault = from.stiffness < 0.0                      ? "its stiffness is negative"
                         : beside.kind != world::JointKind::kHinge ? "only hinges have springs"
-                        : !draft_.has_springs(engine_)            ? kNoSprings
+                        : !draft_.is_impulse(engine_)             ? kNoSprings
                                                                   : nullptr;
     if (fault != nullptr) {
       robot_.losses.push_back(

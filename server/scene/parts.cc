@@ -70,6 +70,7 @@ hwparts::JointInfo describe(const Draft& draft, const world::Joint& joint, const
   info.lower = joint.limited ? joint.lower : 1.0;  // lower > upper: no stops
   info.upper = joint.limited ? joint.upper : -1.0;
   info.initial_position = joint.initial_position;
+  info.moves_by_mean_speed = draft.is_impulse(draft.scene.world.bodies[joint.child.index()].engine);
   if (const auto limit = draft.drive_limits.find(joint.name); limit != draft.drive_limits.end()) {
     info.maximum_speed = limit->second.speed;
     info.maximum_effort = limit->second.effort;

@@ -1,5 +1,6 @@
 // The mechanics behind a drive in a test: an exact one-joint mechanism that follows the JointDrive law
-// implicitly, as an engine does. q'' = (effort + external - m g l sin q) / inertia, semi-implicit Euler.
+// implicitly, as an engine does. q'' = (effort + external - m g l sin q) / inertia, semi-implicit Euler; or
+// by the mean of the speeds at both ends of a tick, which is exact for constant efforts.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +16,13 @@ struct Plant {
   double external = 0.0;  // constant effort from outside
   double lower = -1e9;    // hard stops: the plant cannot move beyond
   double upper = 1e9;
+  bool by_mean_speed = false;
   hwparts::JointSample joint;
 
   void step(const hwparts::JointDrive& drive, double h) {
     const double load = external - gravity * std::sin(joint.position) + drive.feedforward;
-    const double free = joint.velocity + h * load / inertia;  // without the drive's first term
+    const double before = joint.velocity;
+    const double free = before + h * load / inertia;  // without the drive's first term
     double effort = 0.0;
     if (drive.max_effort > 0.0) {  // (target - (free + h effort / inertia)) / compliance = effort
       effort = (drive.target_velocity - free) / (drive.compliance + h / inertia);
@@ -28,7 +31,7 @@ struct Plant {
     joint.velocity = free + h * effort / inertia;
     joint.effort = effort + drive.feedforward;
     stop_at_limits(drive, h);
-    joint.position += h * joint.velocity;
+    joint.position += h * (by_mean_speed ? 0.5 * (before + joint.velocity) : joint.velocity);
   }
 
  private:

@@ -27,9 +27,16 @@ drive::DriveData ideal(drive::DriveData data) {
   return data;
 }
 
-Rig::Rig(const drive::DriveData& data, double tick, double position, std::size_t joints)
-    : tick_s(tick), drive(data, position, true, tick), plants(joints), samples_(joints), drives_(joints) {
-  for (auto& plant : plants) plant.joint.position = position / static_cast<double>(joints);
+Rig::Rig(const drive::DriveData& data, double tick, double position, std::size_t joints, bool by_mean_speed)
+    : tick_s(tick),
+      drive(data, position, true, tick, by_mean_speed),
+      plants(joints),
+      samples_(joints),
+      drives_(joints) {
+  for (auto& plant : plants) {
+    plant.joint.position = position / static_cast<double>(joints);
+    plant.by_mean_speed = by_mean_speed;
+  }
   command = {position, data.limits.maximum_speed, true};
 }
 
