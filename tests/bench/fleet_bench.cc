@@ -1,4 +1,4 @@
-// Ticks of worlds with 1, 10 and 100 driving carts, with each engine; and the time that scenes take to load.
+// Ticks of worlds with 1 to 1000 driving carts, with each engine; and the time that scenes take to load.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -37,7 +37,8 @@ void fleet_ticks(benchmark::State& state, const std::string& engine) {
   const auto file = files.write("fleet.yaml", fleet(static_cast<int>(state.range(0)), engine));
   cycle::Simulation simulation(scene::load_scene(file));
   drive_circles(simulation);
-  for (int i = 0; i < 1000; ++i) simulation.tick();
+  const int warm_up = state.range(0) == 1000 ? 300 : 1000;
+  for (int i = 0; i < warm_up; ++i) simulation.tick();
   const auto start = simulation.take_snapshot();
   const auto first = simulation.tick_count();
   for (auto _ : state) {
@@ -56,18 +57,21 @@ BENCHMARK_CAPTURE(fleet_ticks, ode, std::string("ode"))
     ->Arg(1)
     ->Arg(10)
     ->Arg(100)
+    ->Arg(1000)
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fleet_ticks, ode - quick, std::string("{kind: ode, step: quick}"))
     ->Name("Fleet/ode-quick")
     ->Arg(1)
     ->Arg(10)
     ->Arg(100)
+    ->Arg(1000)
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fleet_ticks, impulse, std::string("impulse"))
     ->Name("Fleet/impulse")
     ->Arg(1)
     ->Arg(10)
     ->Arg(100)
+    ->Arg(1000)
     ->Unit(benchmark::kMicrosecond);
 
 void load(benchmark::State& state, const std::filesystem::path& file) {

@@ -27,7 +27,8 @@ class OurStepper : public Stepper {
 
   void reset() override { state_ = start_; }
   void step() override {
-    if (!model_.shapes.empty()) collision_.find(state_, contacts_);
+    if (!model_.shapes.empty() && !collision_.find(state_, contacts_))
+      throw std::runtime_error("there are more contacts than a world may have");
     const auto result =
         engine_->step({1e-9 * static_cast<double>(model_.tick_ns), contacts_, drives_, {}}, state_);
     if (!result.ok) throw std::runtime_error(result.fault);

@@ -24,7 +24,8 @@ constexpr double kInexact = 0.3;
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
-// is not found, it begins with kSoft and falls to kFirm, by smaller steps after a point that is not found.
+// is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after a
+// point that is not found.
 class Softness {
  public:
   explicit Softness(double least) : least_(least), now_(least) {}
@@ -34,7 +35,7 @@ class Softness {
 
   void note_found() {
     found_ = now_;
-    now_ = std::min(now_, step_to(by_ * now_, kFirm));
+    now_ = std::min(now_, step_to(by_ * now_, now_ == kFirm ? least_ : kFirm));
     by_ = std::max(kBy, by_ * by_);
   }
 
