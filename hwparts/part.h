@@ -44,6 +44,7 @@ struct JointInfo {
   // The engine moves the joint in a tick by the mean of its speeds before and after; otherwise by the one
   // after.
   bool moves_by_mean_speed = false;
+  double inertia = 0.0;  // kg·m² or kg: of its link alone, about or along the axis; 0: not known
 };
 
 struct PartContext {

@@ -31,8 +31,7 @@ struct Command {
 class Drive {
  public:
   // Starts at rest. All its joints stand at the same position, and these positions add up to `position`.
-  // `joints_move_by_mean_speed`: hwparts::JointInfo::moves_by_mean_speed, of all of them.
-  Drive(const DriveData& data, double position, bool homed, double tick_s, bool joints_move_by_mean_speed);
+  Drive(const DriveData& data, double position, bool homed, double tick_s, const Load& load);
 
   // ---- the tick ----
 
@@ -136,7 +135,7 @@ class Drive {
 
   DriveData data_;
   double tick_s_;
-  bool joints_move_by_mean_speed_;
+  Load load_;
   double period_s_;           // of the servo loop
   std::uint32_t loop_ticks_;  // the same in ticks
   DriveState initial_;

@@ -40,30 +40,17 @@ RotorPlan with_dry_friction(const DriveData& data, const DriveState& state, doub
   return plan;
 }
 
-// True if the gear touches a flank of its backlash at each joint, and will not leave it in this tick as it
-// moves now.
-bool stays_engaged(const GearData& gear, const DriveState& state,
-                   std::span<const hwparts::JointSample> joints, double tick_s) {
-  if (rigid(gear) || gear.backlash == 0.0) return true;
-  const double n = static_cast<double>(joints.size());
-  return std::ranges::all_of(joints, [&](const hwparts::JointSample& joint) {
-    const double torsion = state.rotor_position - n * joint.position;
-    const double way = tick_s * (state.rotor_speed - n * joint.velocity);
-    return std::abs(torsion) - std::abs(way) > 0.5 * gear.backlash;
-  });
-}
-
 // The place within the tick for what has the rate x/h, by (5).
 double place_of(double x) {
-  return 0.5 + x / (12.0 + 2.0 * x);
+  return 1.0 - 3.0 / (6.0 + x);
 }
 
-// The rotor's speed at ϑh, for the secant of friction there. A change is believed up to half of the speed:
-// where efforts jump, the joint's inertia, which is not known here, makes the true one smaller.
+// The rotor's speed `time_s` later, for the secant of friction there. A change is believed up to half of the
+// speed: where efforts jump, the joint's inertia makes the true one smaller.
 double expected_speed(const DriveData& data, const DriveState& state, const MotorEffort& motor,
-                      double time_s) {
+                      double friction, double time_s) {
   const double speed = state.rotor_speed, most = 0.5 * std::abs(speed);
-  const double effort = motor.effort - friction_effort(data.gear, speed) - state.gear_effort;
+  const double effort = motor.effort - friction * speed - state.gear_effort;
   return speed + std::clamp(time_s * effort / data.reflected_inertia(), -most, most);
 }
 
@@ -75,16 +62,27 @@ double flank(double torsion, double predicted, double half_play) {
   return sign(predicted);
 }
 
-// The value at the tick's end of what is `now` at its start and `then` at ϑh.
-double at_the_end(double then, double now, double place) {
-  return place == 1.0 ? then : now + (then - now) / place;
+// For a rigid gear the rotor is where the joint is, and dry friction holds both.
+hwparts::JointDrive couple_rigidly(const RotorPlan& plan, double most_effort, double n) {
+  if (plan.mobility == 0.0) return {0.0, 0.0, plan.breakaway, plan.push};
+  return {plan.free_speed / n, plan.mobility / n, most_effort, 0.0};
 }
 
-// For a rigid gear the rotor is where the joint is, and dry friction holds both.
-hwparts::JointDrive couple_rigidly(const RotorPlan& plan, double most_effort, double n, double speed) {
-  if (plan.mobility == 0.0) return {0.0, 0.0, plan.breakaway, plan.push};
-  return {at_the_end(plan.free_speed / n, speed, plan.place), plan.mobility / n / plan.place, most_effort,
-          0.0};
+// Where in the tick the gear's damper and its spring are found.
+struct Places {
+  double damper = 1.0;  // ϑ
+  double spring = 1.0;  // σ
+};
+
+// `torsion` and `rate`: θ - q and its rate now.
+Places places_of(const DriveData& data, const Load& load, double torsion, double rate, double tick_s) {
+  const auto& gear = data.gear;
+  const double of_link = load.inertia > 0.0 ? 1.0 / load.inertia : 0.0;
+  const double of_both = 1.0 / data.reflected_inertia() + of_link;  // 1/m
+  const double damped = tick_s * gear.damping * of_both;
+  const bool stays =
+      gear.backlash == 0.0 || std::abs(torsion) - tick_s * std::abs(rate) > 0.5 * gear.backlash;
+  return {place_of(damped), stays ? place_of(damped + tick_s * std::sqrt(gear.stiffness * of_both)) : 1.0};
 }
 
 // The effort at the module. Each of n joints feels n times its share of it.
@@ -94,8 +92,8 @@ double total_effort(std::span<const hwparts::JointSample> joints) {
   return sum / static_cast<double>(joints.size());
 }
 
-// ω_ϑ by (1), or by dry friction.
-double speed_in_tick(const RotorPlan& plan, double effort) {
+// ω⁺ by (1), or by dry friction.
+double next_speed(const RotorPlan& plan, double effort) {
   const double speed = plan.free_speed - plan.mobility * effort;
   if (!plan.dry) return speed;
   if (plan.sliding != 0.0) return speed * plan.sliding > 0.0 ? speed : 0.0;
@@ -115,43 +113,40 @@ void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& sta
 }  // namespace
 
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor,
-                     bool brake_holds, std::span<const hwparts::JointSample> joints, bool moved_by_mean_speed,
-                     double tick_s) {
+                     bool brake_holds, bool joints_move_by_mean_speed, double tick_s) {
   const bool dry = brake_holds || data.gear.static_friction > 0.0;
-  const bool by_mean_speed = moved_by_mean_speed && !dry;
   const double speed = state.rotor_speed, j = data.reflected_inertia();
-  double place = 1.0, spring_place = 1.0, slowed = speed;
+  double friction = friction_secant(data.gear, speed), place = 1.0;
+  const bool by_mean_speed = joints_move_by_mean_speed && !dry;
   if (by_mean_speed) {
-    const double y = tick_s * (data.gear.damping + friction_secant(data.gear, 0.0) + motor.damping) / j;
-    place = place_of(y);
-    if (stays_engaged(data.gear, state, joints, tick_s))
-      spring_place = place_of(y + tick_s * std::sqrt(data.gear.stiffness / j));
-    slowed = expected_speed(data, state, motor, place * tick_s);
+    place = place_of(tick_s * (friction + motor.damping) / j);
+    friction = friction_secant(data.gear, expected_speed(data, state, motor, friction, place * tick_s));
   }
-  const double time = place * tick_s;
-  const double inertia = j + time * (friction_secant(data.gear, slowed) + motor.damping);
+  const double slope = tick_s * (friction + motor.damping);
+  const double inertia = j + place * slope;
   const double effort = motor.effort + motor.damping * speed;  // at standstill, on the same slope
-  const double momentum = j * speed + time * effort;
+  const double momentum = j * speed + tick_s * effort - (1.0 - place) * slope * speed;
   if (dry) {
     const double brake = brake_holds ? data.brake.holding_effort : 0.0;
     return with_dry_friction(data, state, momentum, brake, inertia, tick_s);
   }
-  return {momentum / inertia, time / inertia, place, spring_place, by_mean_speed};
+  return {momentum / inertia, tick_s / inertia, by_mean_speed};
 }
 
-hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
-                           double most_effort, std::size_t share, const hwparts::JointSample& joint,
-                           double tick_s) {
+hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, const DriveState& state,
+                           const Load& load, double most_effort, std::size_t share,
+                           const hwparts::JointSample& joint, double tick_s) {
   const auto& gear = data.gear;
   const double n = static_cast<double>(share);
-  if (rigid(gear)) return couple_rigidly(plan, most_effort, n, joint.velocity);
+  if (rigid(gear)) return couple_rigidly(plan, most_effort, n);
+  const double torsion = state.rotor_position - n * joint.position;
+  const double rate = state.rotor_speed - n * joint.velocity;
+  const Places at = plan.by_mean_speed ? places_of(data, load, torsion, rate, tick_s) : Places{};
   const double k = gear.stiffness / n;
-  const double kappa = plan.spring_place * tick_s * k + gear.damping / n;
-  const double c = (1.0 / kappa + n * plan.mobility) / (n * n) / plan.place;  // at the joint
-  const double torsion = rotor_position - n * joint.position;
-  const auto target = [&](double stretch) {
-    return at_the_end((plan.free_speed + k * stretch / kappa) / n, joint.velocity, plan.place);
-  };
+  const double all = at.spring * tick_s * k + gear.damping / n, kappa = at.damper * all;  // κ, ϑκ
+  const double c = (1.0 / kappa + n * plan.mobility) / (n * n);                           // at the joint
+  const double carried = (1.0 - at.damper) * all * rate;
+  const auto target = [&](double stretch) { return (plan.free_speed + (k * stretch + carried) / kappa) / n; };
   if (gear.backlash == 0.0) return {target(torsion), c, most_effort, 0.0};
 
   const double half_play = 0.5 * gear.backlash;
@@ -166,7 +161,7 @@ void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hw
   state.gear_effort = total_effort(joints);
   if (rigid(data.gear)) return follow_joints(joints, state);
   const double before = state.rotor_speed;
-  state.rotor_speed = at_the_end(speed_in_tick(plan, state.gear_effort), before, plan.place);
+  state.rotor_speed = next_speed(plan, state.gear_effort);
   const double moving = plan.by_mean_speed ? 0.5 * (before + state.rotor_speed) : state.rotor_speed;
   state.rotor_position += tick_s * moving;
 }

@@ -5,7 +5,6 @@
 // clang-format off
 // Symbols (module's coordinate, see drive_data.h; ⁺ marks the tick's end):
 //   h      tick
-//   ϑ, σ   places within the tick, 0 to 1
 //   θ, ω   rotor's position and speed
 //   q, q̇   joint's position and speed
 //   φ      torsion, θ - q, less half the backlash when engaged
@@ -30,20 +29,24 @@
 // Challenge, SIMPAR 2014); h/Jₑ is the rotor's part.
 //
 // This is backward Euler, whose error is of first order in h. Where the engine moves the joint by the mean
-// of q̇ and q̇⁺, which is of second order, so is the gear. It finds speeds at ϑh, and the spring at φ_σ:
-//   ω_ϑ = (1-ϑ) ω + ϑ ω⁺,    q̇_ϑ alike,    φ_σ = φ + σ h (ω_ϑ - q̇_ϑ)
-// (1) to (3) hold so, with ϑh for h in (1) and Jₑ, and σh in κ. With q̇⁺ in place of q̇_ϑ, (3) is
-//   v* = (v*_ϑ - (1-ϑ) q̇) / ϑ,    c = c_ϑ / ϑ,    and then    ω⁺ = ω + (ω_ϑ - ω) / ϑ                     (4)
-// The rotor moves by the mean of ω and ω⁺, as the joint does. ϑ = σ = 1/2 would be the midpoint rule, in
-// which what is too fast for the tick goes on for ever. With y = h (S + d)/J and x = y + h sqrt(k/J),
-//   ϑ = 1/2 + f(y),    σ = 1/2 + f(x),    f(x) = x/(12 + 2x)                                              (5)
-// are of second order still, and damp it. The slope 1/12 is that of the θ method which is exact for a decay
-// at the rate x/h (exponential fitting: Liniger, Willoughby, SIAM J. Numer. Anal. 7, 1970). S in (1) is taken
-// at the speed that is expected at ϑh with τ of the tick before.
-//   A tick that starts within the backlash, or may leave a flank, has σ = 1. So the energy of rotor, spring
-// and joint never grows: with ϑ = 1/2, τ does the spring's work at φ_σ over φ⁺ - φ, and the spring's
-// potential is convex. Dampers lift ϑ above 1/2, and take more than that adds; only with dampers far above
-// the critical damping it may rise in a tick, by less than the share ϑ - 1/2 (0.2 % seen).
+// of q̇ and q̇⁺, which is of second order, so is the gear: the rotor moves by the mean of ω and ω⁺, friction
+// is found at the place α within the tick (0 to 1), the damper at ϑ, and the spring after σh. With
+// ω_α = (1-α) ω + α ω⁺, and others alike:
+//   J (ω⁺ - ω) = h (τm - S ω_α - τ):   Jₑ = J + α h S,   ωf = (J ω + h τm - (1-α) h S ω) / Jₑ  in (1)
+//   τ = k φ + κ (ω_ϑ - q̇_ϑ),   κ = σ h k + d:
+//   v* = ωf + (k φ + (1-ϑ) κ (ω - q̇)) / ϑκ,   c = 1/ϑκ + h/Jₑ                                         (4)
+// Places of 1/2 would make the midpoint rule, in which what is too fast for the tick goes on for ever. With
+// I the link's own inertia on the axis, and 1/m = 1/J + 1/I,
+//   α = 1/2 + f(h S/J),   ϑ = 1/2 + f(h d/m),   σ = 1/2 + f(h d/m + h sqrt(k/m)),   f(x) = x/(12 + 2x)  (5)
+// are of second order still, and damp it as far as there is a damper. The slope 1/12 is that of the θ method
+// which is exact for a decay at the rate x/h (exponential fitting: Liniger, Willoughby, SIAM J. Numer.
+// Anal. 7, 1970). S is taken at the speed that is expected at αh with τ of the tick before.
+//   A tick that starts within the backlash, or may leave a flank, has σ = 1. Without a damper and friction
+// the energy E of rotor, spring and joint never grows so: ϑ = 1/2, τ does the spring's work at its place
+// over φ⁺ - φ, and the spring's potential is convex. With them E + h/2 ((ϑ-1/2) κ (ω-q̇)² + (α-1/2) S ω²)
+// does not grow while the places stay; E itself may rise in a tick that is too long for a light link.
+//   A hit within the tick changes q̇ before the gear acts, so that (4) is off by (1-ϑ) κ times that change,
+// for one tick.
 //   Dry friction or a closed brake, whose law is about the tick's end, leaves the tick at backward Euler.
 // clang-format on
 //
@@ -87,13 +90,17 @@ struct MotorEffort {
   double damping = 0.0;  // [F]/([u]/s), >= 0
 };
 
+// The joints that hang on the gear.
+struct Load {
+  bool moves_by_mean_speed = false;  // hwparts::JointInfo, of all joints
+  double inertia = 0.0;              // kg·m² or kg: I, in the module's coordinate; 0: not known
+};
+
 // The rotor during one tick, as (1) has it.
 struct RotorPlan {
   double free_speed = 0.0;     // ωf
-  double mobility = 0.0;       // ϑh/Jₑ; 0: it sticks
-  double place = 1.0;          // ϑ
-  double spring_place = 1.0;   // σ
-  bool by_mean_speed = false;  // the rotor moves so
+  double mobility = 0.0;       // h/Jₑ; 0: it sticks
+  bool by_mean_speed = false;  // it moves so, and the gear is of second order
   // The rest is for a rotor with dry friction.
   bool dry = false;
   double sliding = 0.0;         // -1 or +1, the direction in which it slides; 0: it sticks
@@ -104,15 +111,14 @@ struct RotorPlan {
 };
 
 // Before the step: how the rotor will move, given the effort that the joints turn out to feel.
-// `moved_by_mean_speed`: so the engine moves them (hwparts::JointInfo).
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, bool braked,
-                     std::span<const hwparts::JointSample> joints, bool moved_by_mean_speed, double tick_s);
+                     bool joints_move_by_mean_speed, double tick_s);
 
 // The drive of one joint, of the `share` joints that hang on the gear. The gear carries at most `most_effort`
 // [F].
-hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, double rotor_position,
-                           double most_effort, std::size_t share, const hwparts::JointSample& joint,
-                           double tick_s);
+hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, const DriveState& state,
+                           const Load& load, double most_effort, std::size_t share,
+                           const hwparts::JointSample& joint, double tick_s);
 
 // After the step: moves the rotor by the effort that the joints felt. `joints` as the engine left them.
 void move_rotor(const DriveData& data, const RotorPlan& plan, std::span<const hwparts::JointSample> joints,

@@ -96,6 +96,17 @@ drive::JointBounds bounds_of(const PartContext& context, const std::vector<std::
   return bounds;
 }
 
+// The lightest link counts where joints share a gear.
+drive::Load load_of(const PartContext& context, const std::vector<std::size_t>& joints) {
+  drive::Load load{true, context.joints[joints.front()].inertia};
+  for (const std::size_t joint : joints) {
+    load.moves_by_mean_speed &= context.joints[joint].moves_by_mean_speed;
+    load.inertia = std::min(load.inertia, context.joints[joint].inertia);
+  }
+  load.inertia /= static_cast<double>(joints.size());
+  return load;
+}
+
 DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector<std::size_t> joints,
                       std::size_t number) {
   check_alike(entry.get("joints"), context, joints);
@@ -104,8 +115,8 @@ DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector
                                       bounds_of(context, joints, number));
   for (std::size_t joint : joints) {
     drive.initial_position += context.joints[joint].initial_position;
-    drive.joints_move_by_mean_speed &= context.joints[joint].moves_by_mean_speed;
   }
+  drive.load = load_of(context, joints);
   drive.joints = std::move(joints);
   check_start(entry, drive);
   check_period(entry, drive.data.loop.period, context.tick_s);

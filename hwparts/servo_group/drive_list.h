@@ -16,15 +16,16 @@
 #include <vector>
 
 #include "hwparts/drive/drive_data.h"
+#include "hwparts/drive/gear.h"
 #include "hwparts/part.h"
 
 namespace visum::servo_group {
 
 struct DriveEntry {
   drive::DriveData data;
-  std::vector<std::size_t> joints;        // indices into PartContext::joints
-  double initial_position = 0.0;          // module's coordinate: the sum of its joints' positions
-  bool joints_move_by_mean_speed = true;  // JointInfo::moves_by_mean_speed of all
+  std::vector<std::size_t> joints;  // indices into PartContext::joints
+  double initial_position = 0.0;    // module's coordinate: the sum of its joints' positions
+  drive::Load load;
 };
 
 struct DriveList {

@@ -53,8 +53,7 @@ ServoGroup::ServoGroup(const hwparts::PartContext& context, const std::string& k
       seed_(context.seed),
       identity_(identity_text(kind, drives)) {
   for (const auto& entry : drives.drives) {
-    axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_,
-                                  entry.joints_move_by_mean_speed),
+    axes_.push_back({drive::Drive(entry.data, entry.initial_position, options.homed, tick_s_, entry.load),
                      {joints_.size(), entry.joints.size()},
                      context.joints[entry.joints.front()].name,
                      0.0});

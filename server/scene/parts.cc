@@ -63,6 +63,13 @@ std::vector<JointId> joints_of(const Draft& draft, const Node& entry, const std:
   return {joints.begin(), joints.end()};
 }
 
+// The inertia of the joint's child alone.
+double inertia_about(const world::Joint& joint, const world::Body& link) {
+  const Eigen::Vector3d axis = joint.X_CJ.q * joint.axis_J;
+  const Eigen::Vector3d lever = axis.cross(link.p_BC - joint.X_CJ.p);
+  return axis.dot(link.inertia_C * axis) + link.mass_kg * lever.squaredNorm();
+}
+
 hwparts::JointInfo describe(const Draft& draft, const world::Joint& joint, const std::string& prefix) {
   hwparts::JointInfo info;
   info.name = joint.name.substr(prefix.size());
@@ -70,7 +77,9 @@ hwparts::JointInfo describe(const Draft& draft, const world::Joint& joint, const
   info.lower = joint.limited ? joint.lower : 1.0;  // lower > upper: no stops
   info.upper = joint.limited ? joint.upper : -1.0;
   info.initial_position = joint.initial_position;
-  info.moves_by_mean_speed = draft.is_impulse(draft.scene.world.bodies[joint.child.index()].engine);
+  const world::Body& link = draft.scene.world.bodies[joint.child.index()];
+  info.moves_by_mean_speed = draft.is_impulse(link.engine);
+  info.inertia = info.prismatic ? link.mass_kg : inertia_about(joint, link);
   if (const auto limit = draft.drive_limits.find(joint.name); limit != draft.drive_limits.end()) {
     info.maximum_speed = limit->second.speed;
     info.maximum_effort = limit->second.effort;

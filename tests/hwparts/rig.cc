@@ -27,15 +27,17 @@ drive::DriveData ideal(drive::DriveData data) {
   return data;
 }
 
-Rig::Rig(const drive::DriveData& data, double tick, double position, std::size_t joints, bool by_mean_speed)
+Rig::Rig(const drive::DriveData& data, double tick, double position, std::size_t joints,
+         const drive::Load& load)
     : tick_s(tick),
-      drive(data, position, true, tick, by_mean_speed),
+      drive(data, position, true, tick, load),
       plants(joints),
       samples_(joints),
       drives_(joints) {
   for (auto& plant : plants) {
     plant.joint.position = position / static_cast<double>(joints);
-    plant.by_mean_speed = by_mean_speed;
+    plant.by_mean_speed = load.moves_by_mean_speed;
+    if (load.inertia > 0.0) plant.inertia = load.inertia * static_cast<double>(joints);
   }
   command = {position, data.limits.maximum_speed, true};
 }

@@ -23,9 +23,9 @@ drive::DriveData arm_drive(int number);
 drive::DriveData ideal(drive::DriveData data);
 
 struct Rig {
-  // `by_mean_speed`: how the plants move (plant.h).
+  // `load`: as the scene knows it; the plants move so, and share its inertia where it is known (plant.h).
   explicit Rig(const drive::DriveData& data, double tick_s = 0.001, double position = 0.0,
-               std::size_t joints = 1, bool by_mean_speed = false);
+               std::size_t joints = 1, const drive::Load& load = {});
 
   void tick();
   void run(double seconds);

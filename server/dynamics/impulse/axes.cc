@@ -19,7 +19,7 @@
 //                     not below 0. Examples: a backlash that is crossed, a motor that gives all it can
 //   damping d         the law with v* = 0, c = 1/d, without a limit
 //   dry friction      the law with v* = 0, c = 0, most = friction
-//   a geared rotor    the law with k = 1/J and v* its own speed (hwparts/drive/gear.h). The law takes q~ from
+//   a geared rotor    the law with k near 1/J and v* its own speed (hwparts/drive/gear.h). q~ comes from
 //                     the look-ahead, so the rotor feels how the axis' speed changes in free flight
 //
 // Sources: half of the law at t and the rest at t+h, as forces in RATTLE (Andersen, J. Comput. Phys. 52,

@@ -24,8 +24,8 @@ constexpr double kInexact = 0.3;
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
-// is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after a
-// point that is not found.
+// is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after
+// a point that is not found.
 class Softness {
  public:
   explicit Softness(double least) : least_(least), now_(least) {}
