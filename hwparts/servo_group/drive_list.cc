@@ -113,9 +113,7 @@ DriveEntry read_entry(const Node& entry, const PartContext& context, std::vector
   DriveEntry drive;
   drive.data = drive::read_drive_data(entry, context.joints[joints.front()].prismatic,
                                       bounds_of(context, joints, number));
-  for (std::size_t joint : joints) {
-    drive.initial_position += context.joints[joint].initial_position;
-  }
+  for (std::size_t joint : joints) drive.initial_position += context.joints[joint].initial_position;
   drive.load = load_of(context, joints);
   drive.joints = std::move(joints);
   check_start(entry, drive);
