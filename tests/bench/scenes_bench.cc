@@ -58,7 +58,7 @@ std::vector<SceneCase> scene_cases() {
     add("stack", height, stack(any_engine(), kTick, height), ticks);
   for (const auto& [count, ticks] : {Size(1, 1500), Size(10, 1500), Size(100, 600)})
     add("ragdolls", count, falling_ragdolls(any_engine(), kTick, count), ticks);
-  for (const auto& [count, ticks] : {Size(1, 500), Size(10, 500), Size(100, 500), Size(600, 100)}) {
+  for (const auto& [count, ticks] : {Size(1, 500), Size(10, 500), Size(100, 500), Size(500, 100)}) {
     add("quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kByFriction), ticks);
     add("sprung_quadrupeds", count, standing_quadrupeds(any_engine(), kTick, count, Held::kBySprings), ticks);
     add("linkages", count, standing_linkages(any_engine(), kTick, count), ticks);
