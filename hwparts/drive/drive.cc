@@ -26,7 +26,8 @@ CurrentWindow narrowed(CurrentWindow window, double most) {
 Drive::Drive(const DriveData& data, double position, bool homed, double tick_s, const Load& load)
     : data_(data),
       tick_s_(tick_s),
-      load_(load),
+      by_mean_speed_(load.moves_by_mean_speed),
+      places_(places_of(data, load, tick_s)),
       period_s_(data.loop_period(tick_s)),
       loop_ticks_(static_cast<std::uint32_t>(std::llround(period_s_ / tick_s))),
       initial_(initial_state(data, position, homed)),
@@ -43,11 +44,10 @@ void Drive::act(const Command& command, std::span<const hwparts::JointSample> jo
   state_.loop.age = (state_.loop.age + 1) % loop_ticks_;
   if (loop_runs || !ready(state_)) move_setpoint(command);
   note_trip(before);
-  plan_ =
-      plan_rotor(data_, state_, drive_motor(loop_runs), brake_holds(), load_.moves_by_mean_speed, tick_s_);
+  plan_ = plan_rotor(data_, state_, drive_motor(loop_runs), brake_holds(), by_mean_speed_, tick_s_);
   const double most_effort = std::min(data_.gear.breaking_effort, broken_.slip_effort);
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    drives[i] = couple(data_, plan_, state_, load_, most_effort, joints.size(), joints[i], tick_s_);
+    drives[i] = couple(data_, plan_, state_, places_, most_effort, joints.size(), joints[i], tick_s_);
   }
   acted_ = true;
 }

@@ -135,7 +135,8 @@ class Drive {
 
   DriveData data_;
   double tick_s_;
-  Load load_;
+  bool by_mean_speed_;  // so the joints move
+  GearPlaces places_;
   double period_s_;           // of the servo loop
   std::uint32_t loop_ticks_;  // the same in ticks
   DriveState initial_;

@@ -68,23 +68,6 @@ hwparts::JointDrive couple_rigidly(const RotorPlan& plan, double most_effort, do
   return {plan.free_speed / n, plan.mobility / n, most_effort, 0.0};
 }
 
-// Where in the tick the gear's damper and its spring are found.
-struct Places {
-  double damper = 1.0;  // ϑ
-  double spring = 1.0;  // σ
-};
-
-// `torsion` and `rate`: θ - q and its rate now.
-Places places_of(const DriveData& data, const Load& load, double torsion, double rate, double tick_s) {
-  const auto& gear = data.gear;
-  const double of_link = load.inertia > 0.0 ? 1.0 / load.inertia : 0.0;
-  const double of_both = 1.0 / data.reflected_inertia() + of_link;  // 1/m
-  const double damped = tick_s * gear.damping * of_both;
-  const bool stays =
-      gear.backlash == 0.0 || std::abs(torsion) - tick_s * std::abs(rate) > 0.5 * gear.backlash;
-  return {place_of(damped), stays ? place_of(damped + tick_s * std::sqrt(gear.stiffness * of_both)) : 1.0};
-}
-
 // The effort at the module. Each of n joints feels n times its share of it.
 double total_effort(std::span<const hwparts::JointSample> joints) {
   double sum = 0.0;
@@ -112,6 +95,15 @@ void follow_joints(std::span<const hwparts::JointSample> joints, DriveState& sta
 
 }  // namespace
 
+GearPlaces places_of(const DriveData& data, const Load& load, double tick_s) {
+  const auto& gear = data.gear;
+  if (rigid(gear) || !load.moves_by_mean_speed) return {};
+  const double of_link = load.inertia > 0.0 ? 1.0 / load.inertia : 0.0;
+  const double of_both = 1.0 / data.reflected_inertia() + of_link;  // 1/m
+  const double damped = tick_s * gear.damping * of_both;
+  return {place_of(damped), place_of(damped + tick_s * std::sqrt(gear.stiffness * of_both))};
+}
+
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor,
                      bool brake_holds, bool joints_move_by_mean_speed, double tick_s) {
   const bool dry = brake_holds || data.gear.static_friction > 0.0;
@@ -134,14 +126,19 @@ RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const Motor
 }
 
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, const DriveState& state,
-                           const Load& load, double most_effort, std::size_t share,
+                           const GearPlaces& places, double most_effort, std::size_t share,
                            const hwparts::JointSample& joint, double tick_s) {
   const auto& gear = data.gear;
   const double n = static_cast<double>(share);
   if (rigid(gear)) return couple_rigidly(plan, most_effort, n);
   const double torsion = state.rotor_position - n * joint.position;
   const double rate = state.rotor_speed - n * joint.velocity;
-  const Places at = plan.by_mean_speed ? places_of(data, load, torsion, rate, tick_s) : Places{};
+  GearPlaces at;
+  if (plan.by_mean_speed) {
+    at = places;
+    const bool stays = std::abs(torsion) - tick_s * std::abs(rate) > 0.5 * gear.backlash;
+    if (gear.backlash > 0.0 && !stays) at.spring = 1.0;
+  }
   const double k = gear.stiffness / n;
   const double all = at.spring * tick_s * k + gear.damping / n, kappa = at.damper * all;  // κ, ϑκ
   const double c = (1.0 / kappa + n * plan.mobility) / (n * n);                           // at the joint

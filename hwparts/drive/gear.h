@@ -110,6 +110,13 @@ struct RotorPlan {
   double push = 0.0;            // [F], J ω / h + τm, against which it sticks
 };
 
+// The places within the tick, by (5), at which the gear acts on a flank that it does not leave.
+struct GearPlaces {
+  double damper = 1.0;  // ϑ
+  double spring = 1.0;  // σ
+};
+GearPlaces places_of(const DriveData& data, const Load& load, double tick_s);
+
 // Before the step: how the rotor will move, given the effort that the joints turn out to feel.
 RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const MotorEffort& motor, bool braked,
                      bool joints_move_by_mean_speed, double tick_s);
@@ -117,7 +124,7 @@ RotorPlan plan_rotor(const DriveData& data, const DriveState& state, const Motor
 // The drive of one joint, of the `share` joints that hang on the gear. The gear carries at most `most_effort`
 // [F].
 hwparts::JointDrive couple(const DriveData& data, const RotorPlan& plan, const DriveState& state,
-                           const Load& load, double most_effort, std::size_t share,
+                           const GearPlaces& places, double most_effort, std::size_t share,
                            const hwparts::JointSample& joint, double tick_s);
 
 // After the step: moves the rotor by the effort that the joints felt. `joints` as the engine left them.

@@ -37,7 +37,7 @@ void fleet_ticks(benchmark::State& state, const std::string& engine) {
   const auto file = files.write("fleet.yaml", fleet(static_cast<int>(state.range(0)), engine));
   cycle::Simulation simulation(scene::load_scene(file));
   drive_circles(simulation);
-  const int warm_up = state.range(0) == 1000 ? 300 : 1000;
+  const int warm_up = state.range(0) == 1000 ? 300 : 1000;  // 1000 carts take 30 s for a second
   for (int i = 0; i < warm_up; ++i) simulation.tick();
   const auto start = simulation.take_snapshot();
   const auto first = simulation.tick_count();

@@ -178,7 +178,7 @@ TEST(Gear, FrictionIsOfSecondOrderToo) {
 }
 
 // A kick to a light link behind a stiff gear is over within a few ticks, also where ticks are too long for
-// its oscillation, and the gear feels little more than the load that it carries.
+// its oscillation, and the gear feels little more than what takes the kick in one tick.
 TEST(Gear, LightLinkComesToRestWhateverTheTick) {
   for (const double h : {0.001, 0.002, 0.005, 0.01}) {
     auto data = arm_drive(7);
@@ -186,16 +186,14 @@ TEST(Gear, LightLinkComesToRestWhateverTheTick) {
     data.brake.present = false;
     Rig rig(data, h, 0.0, 1, {true, 0.003});
     rig.supply(0.0);
-    rig.plants[0].external = -0.02;  // friction of the rotor holds it
-    rig.run(200 * h);
-    rig.plants[0].joint.velocity += 0.5;
+    rig.plants[0].joint.velocity = 0.5;
     double effort = 0.0;
     for (int k = 0; k < 12; ++k) {
       rig.tick();
       effort = std::max(effort, std::abs(rig.plants[0].joint.effort));
     }
     EXPECT_LT(std::abs(rig.plants[0].joint.velocity), 5e-3) << h;
-    EXPECT_LT(effort, 0.003 * 0.5 / h * 1.5) << h << ": the kick is taken within a tick";
+    EXPECT_LT(effort, 0.003 * 0.5 / h * 1.5) << h;
   }
 }
 
@@ -217,9 +215,9 @@ TEST_P(GearEnergy, NeverGrowsWhateverTheTickAndThePlay) {
       const double start = before;
       for (int k = 0; k < 3000; ++k) {
         rig.tick();
+        double most = before;
         // With a damper the gear of second order may lead it through the spring for some ticks (gear.h).
-        const bool may_rise = by_mean_speed && damping > 0.0;
-        const double most = may_rise && k < 20 ? 20.0 * start : may_rise ? start : before;
+        if (by_mean_speed && damping > 0.0) most = k < 20 ? 20.0 * start : start;
         ASSERT_LE(energy(rig), most * (1.0 + 1e-9) + 1e-9 * start)
             << backlash << " " << inertia << " " << damping << " " << k;
         before = energy(rig);
