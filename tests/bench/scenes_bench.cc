@@ -1,7 +1,7 @@
 // Many bodies that touch: Scene/<what>/<n>/<engine>, the mean time of a tick of 1 ms over a fixed run from
 // the same start, so that all engines are measured in the same events. Counters at the run's end: depth_m,
 // the deepest overlap, as our collision stage sees it; speed_m_per_s, of the fastest body; warned, the ticks
-// that ended with a solver warning (ours only). Threads/piles/<n>/<threads>: the same of `impulse` alone, in
+// that ended with a solver warning (ours only). Threads/<what>/<n>/<threads>: the same of `impulse` alone, in
 // wall time.
 #include <benchmark/benchmark.h>
 
@@ -105,11 +105,21 @@ void run(benchmark::State& state, const SceneCase& what, const StepperKind& kind
 }
 
 // Wall time counts: the processor's time of other threads is not seen.
-void run_with_threads(benchmark::State& state, int count, int threads) {
+void run_with_threads(benchmark::State& state, const SceneCase& what, int threads) {
+  world::WorldModel model = what.model;
   world::EngineSetting setting = physics::engine_row("impulse").setting;
   setting.threads = threads;
-  dynamics::testing::Lab lab(physics::piles(setting, kTick, count, 10));
+  model.engines.assign(model.engines.size(), setting);
+  dynamics::testing::Lab lab(std::move(model));
   for (auto _ : state) lab.step();
+}
+
+// Those whose cost is shown with one and with more threads.
+bool is_of_islands(const SceneCase& what) {
+  for (const char* name : {"piles/1", "piles/2", "piles/4", "piles/8", "piles/100", "quadrupeds/10",
+                           "quadrupeds/100", "ragdolls/10"})
+    if (what.name == name) return true;
+  return false;
 }
 
 const bool kRegistered = [] {
@@ -121,15 +131,15 @@ const bool kRegistered = [] {
                                      [&](benchmark::State& state) { run(state, what, kind); })
             ->Unit(benchmark::kMicrosecond)
             ->Iterations(what.ticks);
-  // Equal piles with one and with more threads, of the engine `impulse`.
-  for (const int count : {1, 2, 4, 8})
+  for (const SceneCase& what : cases)
     for (const int threads : {1, 2})
-      benchmark::RegisterBenchmark(
-          ("Threads/piles/" + std::to_string(count) + "/" + std::to_string(threads)).c_str(),
-          [=](benchmark::State& state) { run_with_threads(state, count, threads); })
-          ->Unit(benchmark::kMicrosecond)
-          ->UseRealTime()
-          ->Iterations(600);
+      if (is_of_islands(what))
+        benchmark::RegisterBenchmark(
+            ("Threads/" + what.name + "/" + std::to_string(threads)).c_str(),
+            [&what, threads](benchmark::State& state) { run_with_threads(state, what, threads); })
+            ->Unit(benchmark::kMicrosecond)
+            ->UseRealTime()
+            ->Iterations(what.ticks);
   return true;
 }();
 

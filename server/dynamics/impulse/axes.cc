@@ -183,13 +183,13 @@ void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
   }
 }
 
-void set_tree_axes(Plant& plant, double h) {
-  for (const Axis& axis : plant.acting_axes()) {
-    if (axis.node < 0) continue;
+void set_tree_axes(Plant& plant, std::size_t island, double h) {
+  plant.for_axes(island, [&](const Axis& axis) {
+    if (axis.node < 0) return;
     const bool implicit = is_in_tree(axis);
     plant.mechanisms[axis.mechanism].set_axis(static_cast<std::size_t>(axis.node),
                                               {implicit, implicit ? law_compliance(axis, h) : 0.0});
-  }
+  });
 }
 
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
@@ -212,27 +212,27 @@ void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment) {
       take_law_impulse(axis, moment, tree.axis_impulse(static_cast<std::size_t>(axis.node)));
 }
 
-void reset_impulses(Plant& plant) {
-  for (Axis& axis : plant.acting_axes()) {
+void reset_impulses(Plant& plant, std::size_t island) {
+  plant.for_axes(island, [](Axis& axis) {
     axis.law = {};
     axis.damped = {};
     axis.stopped = {};
-  }
-  for (Touch& touch : plant.touches) touch.impulse[kHit] = touch.twist[kHit] = Vector3d::Zero();
+  });
+  plant.for_touches(island, [](Touch& touch) { touch.impulse[kHit] = touch.twist[kHit] = Vector3d::Zero(); });
 }
 
-bool change_laws(Plant& plant, Moment moment, double h, bool as_rows) {
+bool change_laws(Plant& plant, std::size_t island, Moment moment, double h, bool as_rows) {
   bool any = false;
-  for (Axis& axis : plant.acting_axes()) {
+  plant.for_axes(island, [&](Axis& axis) {
     // A law at its limit has given its limit's impulse in this moment.
     if (axis.at_limit != 0) axis.law[moment] = limit_impulse(axis, moment, h);
-    if (suits(plant, axis, moment, h)) continue;
+    if (suits(plant, axis, moment, h)) return;
     // A law that leaves its limit goes back into the tree. One that passes it becomes a known impulse there.
     // With `as_rows` both become rows.
     axis.at_limit = axis.at_limit != 0 || as_rows ? 0 : passed_limit(axis, moment, h);
     axis.boxed = as_rows;
     any = true;
-  }
+  });
   return any;
 }
 

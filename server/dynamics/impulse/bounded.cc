@@ -87,40 +87,40 @@ double Bounded::velocity(std::size_t mechanism, const MechanismRow& row) const {
   return sum;
 }
 
-void Bounded::load_velocities(Part& part) {
+void Bounded::load_velocities() {
   // Bodies without joints: six numbers each, angular before linear. Mechanisms: one number for each row.
-  double* to = part.rows.velocities.data();
-  for (const std::size_t body : free_bodies(part)) {
+  double* to = velocities_.data();
+  for (const std::size_t body : slotted_) {
     const Vector3d &w = plant_.bodies.w[body], &v = plant_.bodies.v[body];
     to = std::copy(v.data(), v.data() + 3, std::copy(w.data(), w.data() + 3, to));
   }
-  for (const std::size_t m : mechanisms(part))
-    for (const MechanismRow& row : of_mechanism_[m].rows) *to++ = velocity(m, row);
+  for (const std::size_t m : mechanisms())
+    for (const MechanismRow& row : rows_of(m).rows) *to++ = velocity(m, row);
 }
 
-void Bounded::store_velocities(Part& part) {
+void Bounded::store_velocities() {
   // Bodies without joints take their velocities as they are.
-  const double* from = part.rows.velocities.data();
-  for (const std::size_t body : free_bodies(part)) {
+  const double* from = velocities_.data();
+  for (const std::size_t body : slotted_) {
     plant_.bodies.w[body] = Vector3d(from[0], from[1], from[2]);
     plant_.bodies.v[body] = Vector3d(from[3], from[4], from[5]);
     from += 6;
   }
-  if (!part.rows.responses.empty()) push_mechanisms(part);
+  if (!responses_.empty()) push_mechanisms();
 }
 
 // Mechanisms get the change of each row's impulse, and answer it with all their joints.
-void Bounded::push_mechanisms(Part& part) {
-  for (const std::size_t m : mechanisms(part))
+void Bounded::push_mechanisms() {
+  for (const std::size_t m : mechanisms())
     if (binds(m)) plant_.mechanisms[m].clear();
-  for (std::size_t k = 0; k < part.block_count; ++k) {
-    const RowBlock& block = part.rows.blocks[k];
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    const RowBlock& block = blocks_[k];
     for (std::size_t e = 0; e < block.end_count; ++e) {
       if (block.ends[e].free) continue;
       const std::size_t m = block.ends[e].mechanism;
       for (std::size_t i = 0; i < block.dim; ++i) {
-        const MechanismRow& row = of_mechanism_[m].rows[block.ends[e].first + i];
-        const double impulse = block.lambda[i] - before_[part.first_block + k][i];
+        const MechanismRow& row = rows_of(m).rows[block.ends[e].first + i];
+        const double impulse = block.lambda[i] - before_[k][i];
         if (row.axis != nullptr)
           plant_.mechanisms[m].tree().push_axis(static_cast<std::size_t>(row.axis->node), impulse);
         else
@@ -129,9 +129,9 @@ void Bounded::push_mechanisms(Part& part) {
     }
   }
   Bodies& bodies = plant_.bodies;
-  for (const std::size_t m : mechanisms(part)) {
+  for (const std::size_t m : mechanisms()) {
     if (!binds(m)) continue;
-    plant_.work.take(plant_.mechanisms[m].units());
+    work_.take(plant_.mechanisms[m].units());
     plant_.mechanisms[m].solve();
     moment_ == kAhead ? plant_.mechanisms[m].apply_ahead(bodies) : plant_.mechanisms[m].apply(bodies);
     take_axis_impulses(plant_, m, moment_);
@@ -228,19 +228,18 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
 }
 
 // The law of springs is in springs.cc.
-void Bounded::aim_spring(RowBlock& block, const Spring& spring, const Rows& by) const {
+void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
   const world::Joint& joint = *spring.spec.model;
   const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
-  const double bias = spring.mean_rate - by.velocity(block, 0);
+  const double bias = spring.mean_rate - rows_.velocity(block, 0);
   block.compliance = 2.0 / (h_ * grip);
   block.target[0] = -joint.stiffness * (spring.length - joint.rest) / grip - bias;
   block.low = -kInfinite;
   block.high = kInfinite;
 }
 
-void Bounded::aim(Part& part) {
-  for (std::size_t i = 0; i < part.block_count; ++i) {
-    const std::size_t k = part.first_block + i;
+void Bounded::aim() {
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
     RowBlock& block = blocks_[k];
     const Owner& owner = owners_[k];
     switch (owner.of) {
@@ -260,7 +259,7 @@ void Bounded::aim(Part& part) {
         aim_stop(block, plant_.axes[owner.index], owner.side);
         break;
       case Of::kSpring:
-        aim_spring(block, plant_.springs[owner.index], *part.by);
+        aim_spring(block, plant_.springs[owner.index]);
         break;
     }
   }
@@ -269,15 +268,15 @@ void Bounded::aim(Part& part) {
 // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
 // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
 // moved gets the smaller bound kComesToRest.
-double Bounded::rest(const Part& part) const {
-  if (moment_ == kAfter) return part.rests ? 1.0 : 0.0;
-  return has_rested(part.island) ? 1.0 : kComesToRest;
+double Bounded::rest() const {
+  if (moment_ == kAfter) return course_->rests ? 1.0 : 0.0;
+  return has_rested() ? 1.0 : kComesToRest;
 }
 
 // New contacts do not count. An island of which a part has moved has not rested.
-bool Bounded::has_rested(std::size_t island) const {
+bool Bounded::has_rested() const {
   bool rested = false;
-  for (const std::size_t i : plant_.islands.touches(island)) {
+  for (const std::size_t i : plant_.islands.touches(island_)) {
     const Touch& touch = plant_.touches[i];
     if (touch.rested == false) return false;
     rested = rested || touch.rested == true;
@@ -287,79 +286,60 @@ bool Bounded::has_rested(std::size_t island) const {
 
 // If the look-ahead changed anything, the end of the step must be solved too. A small rest would otherwise
 // stay, and the next look-ahead would have to change it back.
-double Bounded::solve_rows(Part& part) {
-  load_velocities(part);
-  for (std::size_t k = 0; k < part.block_count; ++k)
-    before_[part.first_block + k] = part.rows.blocks[k].applied;
-  const double share = moment_ == kHit ? 0.0 : part.rows.responses.empty() ? kShare : kMechanismShare;
+double Bounded::solve_rows() {
+  load_velocities();
+  for (std::size_t k = 0; k < blocks_.size(); ++k) before_[k] = blocks_[k].applied;
+  const double share = moment_ == kHit ? 0.0 : responses_.empty() ? kShare : kMechanismShare;
   double missed = 0.0;
   try {
-    missed = part.gently || apart_ ? part.by->sweep_gently(kGentleSweeps)
-                                   : part.by->solve(kMostSweeps, kEnough, share, rest(part));
+    missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
+                                       : rows_.solve(kMostSweeps, kEnough, share, rest());
   } catch (const WorkSpent&) {
-    if (!plant_.work.is_shared()) report();  // the best that was reached
+    report();  // the best that was reached
     throw;
   }
-  if (moment_ == kAhead) part.rests = part.rests && part.rows.rests;
+  if (moment_ == kAhead) course_->rests = course_->rests && system_.rests;
   if (moment_ == kAfter)
-    for (const std::size_t i : plant_.islands.touches(part.island))
-      plant_.touches[i].rested = part.rows.rests;
-  if (part.rows.changed) store_velocities(part);
+    for (const std::size_t i : plant_.islands.touches(island_)) plant_.touches[i].rested = system_.rests;
+  if (system_.changed) store_velocities();
   return missed;
 }
 
-void Bounded::start_gently(std::size_t island, std::span<const Vector3d> v, std::span<const Vector3d> w) {
-  Part& part = parts_[island];
-  part.gently = true;
-  for (const std::size_t i : free_bodies(part)) {
+void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w) {
+  course_->gently = true;
+  for (const std::size_t i : slotted_) {
     plant_.bodies.v[i] = v[i];
     plant_.bodies.w[i] = w[i];
   }
-  for (RowBlock& block : part.rows.blocks) block.lambda = block.applied = {};
-  part.by->take(part.rows);
-  part.by->soften(kGentleSoftness);
+  for (RowBlock& block : blocks_) block.lambda = block.applied = {};
+  rows_.soften(kGentleSoftness);
 }
 
-double Bounded::solve(Part& part) {
-  if (!plant_.islands.springs(part.island).empty()) load_velocities(part);
-  aim(part);
-  return solve_rows(part);
-}
-
-double Bounded::solve(std::size_t island, std::size_t worker) {
-  Part& part = parts_[island];
-  part.by = worker == 0 ? &rows_ : &more_rows_[worker - 1];
-  part.by->take(part.rows);
-  return solve(part);
+double Bounded::solve() {
+  if (!plant_.islands.springs(island_).empty()) load_velocities();
+  aim();
+  return solve_rows();
 }
 
 void Bounded::find_short(double enough, std::vector<std::size_t>& found) {
-  for (Part& part : parts_) {
-    rows_.take(part.rows);
-    load_velocities(part);  // joints may have moved the bodies since
-    const auto bodies = free_bodies(part);
-    for (const RowBlock& block : part.rows.blocks) {
-      if (rows_.miss(block) <= enough) continue;
-      for (std::size_t e = 0; e < block.end_count; ++e) found.push_back(bodies[block.ends[e].offset / 6]);
-    }
+  load_velocities();  // joints may have moved the bodies since
+  for (const RowBlock& block : blocks_) {
+    if (rows_.miss(block) <= enough) continue;
+    for (std::size_t e = 0; e < block.end_count; ++e) found.push_back(slotted_[block.ends[e].offset / 6]);
   }
 }
 
 // Poisson's law brings everything to rest first. Newton's asks for the whole bounce, then looks at the
 // energy.
-void Bounded::bounce(std::size_t island) {
-  Part& part = parts_[island];
-  part.by = &rows_;
-  rows_.take(part.rows);
+void Bounded::bounce() {
   const bool poisson = plant_.setting.impact == "poisson";
-  load_velocities(part);
-  for (std::size_t i = 0; i < part.block_count; ++i) {
-    const std::size_t k = part.first_block + i;
-    shares_[k] = {.now = poisson ? 0.0 : 1.0};
+  load_velocities();
+  met_.resize(blocks_.size());
+  shares_.assign(blocks_.size(), Share{.now = poisson ? 0.0 : 1.0});
+  for (std::size_t k = 0; k < blocks_.size(); ++k)
     for (std::size_t row = 0; row < blocks_[k].dim; ++row) met_[k][row] = rows_.velocity(blocks_[k], row);
-  }
-  solve(part);
-  poisson ? restore_by_poisson(part) : keep_energy(part);
+  solve();
+  poisson ? restore_by_poisson() : keep_energy();
 }
 
 // J, mean of the velocities before and after times the impulse; 0 where it is no more than rounding.
@@ -376,11 +356,10 @@ double Bounded::work(std::size_t k) const {
 
 // Finds, for each contact by itself, the largest share of the bounce that gains no energy, by halving the
 // interval.
-void Bounded::keep_energy(Part& part) {
-  const std::size_t end = part.first_block + part.block_count;
+void Bounded::keep_energy() {
   for (int cut = 0; cut <= kMostCuts; ++cut) {
     bool changed = false;
-    for (std::size_t k = part.first_block; k < end; ++k) {
+    for (std::size_t k = 0; k < blocks_.size(); ++k) {
       if (owners_[k].of != Of::kTouch || plant_.touches[owners_[k].index].bounce == 0.0) continue;
       Share& share = shares_[k];
       const double now = share.now;
@@ -390,19 +369,18 @@ void Bounded::keep_energy(Part& part) {
       changed = changed || share.now != now;
     }
     if (!changed) return;
-    solve(part);
+    solve();
   }
 }
 
 // The second half of the hit: at least (1 + e) of the impulse of the first half.
-void Bounded::restore_by_poisson(Part& part) {
-  for (std::size_t i = 0; i < part.block_count; ++i) {
-    const Owner& owner = owners_[part.first_block + i];
+void Bounded::restore_by_poisson() {
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    const Owner& owner = owners_[k];
     if (owner.of != Of::kTouch) continue;
-    RowBlock& block = part.rows.blocks[i];
-    block.low = (1.0 + plant_.touches[owner.index].returned) * block.lambda[0];
+    blocks_[k].low = (1.0 + plant_.touches[owner.index].returned) * blocks_[k].lambda[0];
   }
-  solve_rows(part);
+  solve_rows();
 }
 
 void Bounded::report() {

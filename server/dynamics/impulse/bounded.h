@@ -1,5 +1,5 @@
-// The rows (rows.h) of one moment of a step: which contacts, stops, laws, dampers and springs may bind, what
-// each of them asks for, and how the impulses come back to bodies and mechanisms.
+// The rows (rows.h) of one moment of an island's step: which contacts, stops, laws, dampers and springs may
+// bind, what each of them asks for, and how the impulses come back to bodies and mechanisms.
 #pragma once
 
 #include "server/dynamics/impulse/plant.h"
@@ -10,35 +10,40 @@ namespace visum::dynamics::impulse {
 // Fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
 inline constexpr double kMostPush = 0.5;  // m/s
 
-// Builds the rows of one moment, and solves each island's (islands.h). Order of calls: build(), then for each
-// island solve() or bounce() any number of times, then report(). Stepper owns it and uses it on the tick's
-// thread. solve() may return NaN or infinity where the rows have no answer; the caller looks at that.
+// How an island's look-ahead was solved. It counts at the end of the step, too.
+struct Course {
+  bool rests = true;    // nothing had to be solved
+  bool gently = false;  // solves by a few softened sweeps
+};
+
+// Builds the rows of one moment of an island (islands.h), and solves them. Order of calls: build(), then
+// solve() or bounce() any number of times, then report(). IslandStepper owns it and uses it on its thread.
+// solve() may return NaN or infinity where the rows have no answer; the caller looks at that.
 class Bounded {
  public:
-  explicit Bounded(Plant& plant);
+  Bounded(Plant& plant, WorkBudget& work);
 
   // Makes the rows that may bind at this moment. They start from the impulses of the last tick or of the
-  // moment before. The mechanisms must be factored.
-  void build(Moment moment, double h);
-  bool has_rows() const { return !blocks_.empty(); }  // of any island
-  bool has_rows(std::size_t island) const { return !parts_[island].rows.blocks.empty(); }
-  // Numbers of an island's bodies without joints that have rows.
-  std::span<const std::size_t> free_bodies(std::size_t island) const { return free_bodies(parts_[island]); }
-  // True if any row acts on the mechanism.
+  // moment before. The mechanisms must be factored. `course` begins with the look-ahead, and must last as
+  // long as the rows.
+  void build(std::size_t island, Moment moment, double h, Course& course);
+  bool has_rows() const { return !blocks_.empty(); }
+  // Numbers of the bodies without joints that have rows.
+  std::span<const std::size_t> free_bodies() const { return slotted_; }
+  // True if any row acts on the mechanism, which is one of the island.
   bool binds(std::size_t mechanism) const { return plant_.mechanism_bound[mechanism] != 0; }
 
-  // Solves an island with its bodies' present velocities, and changes them. Returns the largest miss before:
+  // Solves the rows with the bodies' present velocities, and changes them. Returns the largest miss before:
   // by how much the velocities were not as the rows ask, m/s or rad/s.
-  // Several threads may solve islands at a time, each with a `worker` of its own (island_pool.h).
-  double solve(std::size_t island, std::size_t worker = 0);
-  // True if no row of the island missed more than it may after the last solve().
-  bool is_solved(std::size_t island) const { return parts_[island].rows.solved; }
+  double solve();
+  // True if no row missed more than it may after the last solve().
+  bool is_solved() const { return system_.solved; }
   // True if the last solve() has changed any velocity.
-  bool has_changed(std::size_t island) const { return parts_[island].rows.changed; }
+  bool has_changed() const { return system_.changed; }
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
-  // and `w`. From now on, until the end of the step, the island's rows are softened and solved by a few
+  // and `w` (by body). From now on, until the end of the step, the rows are softened and solved by a few
   // sweeps only.
-  void start_gently(std::size_t island, std::span<const Vector3d> v, std::span<const Vector3d> w);
+  void start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w);
   // While set, for a limited step: rows see every body as if it had no joints, so that they need no response
   // of a mechanism; solve() takes a few sweeps; and nothing is driven out of an overlap, which takes energy.
   void take_apart(bool apart) { apart_ = apart; }
@@ -47,8 +52,8 @@ class Bounded {
   void find_short(double enough, std::vector<std::size_t>& found);
   // Writes the rows' impulses to the touches, axes and springs.
   void report();
-  // Solves an island's collision, after build(kHit), by Newton's law of restitution or by Poisson's.
-  void bounce(std::size_t island);
+  // Solves a collision, after build(kHit), by Newton's law of restitution or by Poisson's.
+  void bounce();
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -72,26 +77,11 @@ class Bounded {
     std::vector<MechanismRow> rows;
     std::size_t offset = 0, response = 0;  // where they begin in the island's velocities and responses
   };
-  // The rows of one island, with the share of each list that is its own.
-  struct Part {
-    std::size_t island = 0;
-    std::size_t first_block = 0, block_count = 0;  // in blocks_, owners_, before_, met_ and shares_
-    std::size_t first_free = 0, free_count = 0;    // in slotted_ and bodies_
-    std::size_t velocity_count = 0, response_count = 0;
-    RowIsland rows;
-    Rows* by = nullptr;   // solves them
-    bool gently = false;  // solves by a few softened sweeps
-    bool rests = false;   // the look-ahead found nothing to solve
-  };
-
   // Forgets the rows of the last moment; keeps the memory.
-  void reset(Moment moment, double h);
-  // Makes the rows of an island.
-  void build(Part& part);
+  void reset();
+  void add_rows();
   // True if nothing in the island is driven out of an overlap.
-  bool is_calm(std::size_t island) const;
-  // True if anything in the island is hit hard enough to bounce.
-  bool is_hit(std::size_t island) const;
+  bool is_calm() const;
   // Adds the three rows of a contact, and those of its twist.
   void add_touch(std::size_t index);
   // Adds the rows of rolling and torsional friction; comes right after its contact.
@@ -117,12 +107,14 @@ class Bounded {
   // Connects a block to one or two bodies of the same mechanism, given the rows' directions there.
   void connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b, const Reach* at_b);
   RowEnd& add_mechanism_end(RowBlock& block, int mechanism);
-  // Lays out an island's velocities and responses once all of its rows are known.
-  void lay_out(Part& part);
-  // Gives each island its share of the lists, and finds the responses.
-  void finish();
+  // Marks the mechanisms that have rows.
+  void mark_bound();
+  // Lays out velocities and responses once all rows are known.
+  void lay_out();
   // Tells the blocks' ends where their mechanism's rows are, and finds all responses.
-  void connect_responses(Part& part, double* W);
+  void connect_responses();
+  MechanismRows& rows_of(std::size_t mechanism) { return of_mechanism_[place_[mechanism]]; }
+  const MechanismRows& rows_of(std::size_t mechanism) const { return of_mechanism_[place_[mechanism]]; }
   // Computes W of a mechanism: what a unit impulse on each of its rows does to all of them.
   void find_response(std::size_t mechanism, double* W);
   // Follows the rows' ways through a tree. Returns false where they are too long for Tree::find_response().
@@ -132,50 +124,45 @@ class Bounded {
   double rate_in_answer(std::size_t mechanism, const MechanismRow& row) const;
 
   // Sets target, bounds and compliance of every block for this moment; one function for each kind of owner.
-  void aim(Part& part);
+  void aim();
   void aim_touch(RowBlock& block, const Touch& touch, double bounce) const;
   void aim_twist(RowBlock& block, const Touch& touch) const;
   void aim_law(RowBlock& block, const Axis& axis) const;
   void aim_damping(RowBlock& block, const Axis& axis) const;
   void aim_stop(RowBlock& block, const Axis& axis, std::size_t side) const;
-  void aim_spring(RowBlock& block, const Spring& spring, const Rows& by) const;
-  // Loads velocities, solves the rows, stores velocities. Returns the largest miss before.
-  double solve(Part& part);
-  double solve_rows(Part& part);
+  void aim_spring(RowBlock& block, const Spring& spring) const;
+  // Loads velocities, solves the rows as they are aimed, stores velocities. Returns the largest miss before.
+  double solve_rows();
   // Second half of a collision by Poisson's law.
-  void restore_by_poisson(Part& part);
+  void restore_by_poisson();
   // Cuts the bounces of a collision by Newton's law down until no contact gains energy.
-  void keep_energy(Part& part);
+  void keep_energy();
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  double rest(const Part& part) const;  // the argument `rest` of Rows::solve()
+  double rest() const;  // the argument `rest` of Rows::solve()
   // True if the last tick needed no change of the contacts' impulses.
-  bool has_rested(std::size_t island) const;
-  std::span<const std::size_t> mechanisms(const Part& part) const {
-    return plant_.islands.mechanisms(part.island);
-  }
-  std::span<const std::size_t> free_bodies(const Part& part) const {
-    return std::span(slotted_).subspan(part.first_free, part.free_count);
-  }
+  bool has_rested() const;
+  std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }
   // Copies the velocities of bodies and mechanisms into the rows, and what the rows changed back.
-  void load_velocities(Part& part);
-  void store_velocities(Part& part);
-  void push_mechanisms(Part& part);
+  void load_velocities();
+  void store_velocities();
+  void push_mechanisms();
   // Present velocity of a mechanism's row, rad/s or m/s.
   double velocity(std::size_t mechanism, const MechanismRow& row) const;
 
   Plant& plant_;
-  Rows rows_;                       // of the tick's thread
-  std::vector<Rows> more_rows_;     // of the other workers
-  std::vector<Part> parts_;         // by island
-  std::vector<RowBlock> blocks_;    // of one island after the other; so are the next three
-  std::vector<double> velocities_;  // of its bodies without joints, then of its mechanisms' rows
+  WorkBudget& work_;
+  Rows rows_;
+  RowIsland system_;  // what rows_ solves: the lists below
+  std::vector<RowBlock> blocks_;
+  std::vector<Owner> owners_;       // by block
+  std::vector<double> velocities_;  // of the bodies without joints, then of the mechanisms' rows
   std::vector<FreeBody> bodies_;
-  std::vector<double> responses_;
-  std::vector<Owner> owners_;                // by block
-  std::vector<MechanismRows> of_mechanism_;  // by mechanism
-  std::vector<std::size_t> slot_;            // by body without joints: its offset in its island's velocities
-  std::vector<std::size_t> slotted_;         // numbers of those that have one
+  std::vector<double> responses_;              // W of one mechanism after the other
+  std::vector<MechanismRows> of_mechanism_;    // in the island's order
+  std::vector<std::size_t> place_;             // by mechanism of the island: its place in that order
+  std::vector<std::size_t> slot_;              // by body without joints: its offset in the velocities
+  std::vector<std::size_t> slotted_;           // numbers of those that have one
   std::vector<std::array<double, 3>> before_;  // by block: impulses before solve()
   // For a hit, by block: the velocities before it, and the share of Newton's bounce that is asked for, with
   // the interval in which the right share is known to lie.
@@ -184,8 +171,9 @@ class Bounded {
     double now = 1.0, least = 0.0, most = 1.0;
   };
   std::vector<Share> shares_;
-  std::size_t building_ = 0;  // the island whose rows are being made
-  bool apart_ = false;        // takes mechanisms apart, for a limited step
+  std::size_t island_ = 0;
+  Course* course_ = nullptr;
+  bool apart_ = false;  // takes mechanisms apart, for a limited step
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

@@ -27,72 +27,66 @@ constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are s
 
 }  // namespace
 
-Bounded::Bounded(Plant& plant)
+Bounded::Bounded(Plant& plant, WorkBudget& work)
     : plant_(plant),
-      rows_(kernels(), &plant.work),
-      of_mechanism_(plant.mechanisms.size()),
-      slot_(plant.bodies.size(), kNone) {
-  for (std::size_t i = 1; i < plant.pool.threads(); ++i) more_rows_.emplace_back(kernels(), &plant.work);
-}
+      work_(work),
+      rows_(kernels(), &work),
+      place_(plant.mechanisms.size()),
+      slot_(plant.bodies.size(), kNone) {}
 
 // Forgets the rows of the last moment.
-void Bounded::reset(Moment moment, double h) {
-  moment_ = moment;
-  h_ = h;
+void Bounded::reset() {
   blocks_.clear();
   bodies_.clear();
   owners_.clear();
-  for (MechanismRows& rows : of_mechanism_) rows.rows.clear();
+  if (of_mechanism_.size() < mechanisms().size()) of_mechanism_.resize(mechanisms().size());
+  for (std::size_t k = 0; k < mechanisms().size(); ++k) {
+    place_[mechanisms()[k]] = k;
+    of_mechanism_[k].rows.clear();
+  }
   for (const std::size_t body : slotted_) slot_[body] = kNone;
   slotted_.clear();
-  parts_.resize(plant_.islands.size());
 }
 
-void Bounded::build(Moment moment, double h) {
-  plant_.work.take(WorkBudget::kPerTouch *
-                   (plant_.touches.size() + plant_.acting.size() + plant_.springs.size()));
-  reset(moment, h);
-  for (building_ = 0; building_ < parts_.size(); ++building_) {
-    Part& part = parts_[building_];
-    part.island = building_;
-    part.first_block = blocks_.size();
-    part.first_free = slotted_.size();
-    // The look-ahead rests until it has solved something. Softened solving lasts until the end of the step.
-    if (moment == kAhead) part.rests = true;
-    part.gently = part.gently && moment == kAfter;
-    if (moment != kHit || is_hit(building_)) build(part);
-    lay_out(part);
-  }
-  finish();
+void Bounded::build(std::size_t island, Moment moment, double h, Course& course) {
+  island_ = island;
+  moment_ = moment;
+  h_ = h;
+  course_ = &course;
+  if (moment != kAfter) course = {};
+  reset();
+  add_rows();
+  mark_bound();
+  lay_out();
+  system_ = {blocks_, velocities_, bodies_, responses_};
+  system_.calm = is_calm();
+  if (!responses_.empty()) connect_responses();
+  before_.resize(blocks_.size());
+  rows_.take(system_);
+  rows_.prepare();
 }
 
-bool Bounded::is_calm(std::size_t island) const {
-  return std::ranges::all_of(plant_.islands.touches(island),
+bool Bounded::is_calm() const {
+  return std::ranges::all_of(plant_.islands.touches(island_),
                              [&](std::size_t i) { return plant_.touches[i].depth < kCalmM; });
 }
 
-bool Bounded::is_hit(std::size_t island) const {
-  for (const std::size_t i : plant_.islands.touches(island))
-    if (plant_.touches[i].hits) return true;
-  for (const std::size_t m : plant_.islands.mechanisms(island))
-    for (const Axis& axis : plant_.acting_axes_of(m))
-      if (axis.hits[0] || axis.hits[1]) return true;
-  return false;
-}
-
-void Bounded::build(Part& part) {
+void Bounded::add_rows() {
   const Islands& islands = plant_.islands;
-  for (const std::size_t i : islands.touches(part.island)) add_touch(i);
+  work_.take(WorkBudget::kPerTouch * (islands.touches(island_).size() + islands.springs(island_).size()));
+  for (const std::size_t i : islands.touches(island_)) add_touch(i);
   // Axes that are not in the tree, or that are near a stop.
-  for (const std::size_t m : islands.mechanisms(part.island)) {
-    for (std::size_t k = plant_.first_acting[m]; k < plant_.first_acting[m + 1]; ++k) {
+  for (const std::size_t m : mechanisms()) {
+    const std::size_t first = plant_.first_acting[m], end = plant_.first_acting[m + 1];
+    work_.take(WorkBudget::kPerTouch * (end - first));
+    for (std::size_t k = first; k < end; ++k) {
       const Axis& axis = plant_.axes[plant_.acting[k]];
       if (axis.boxed || axis.loop >= 0 || is_within_reach(axis, h_)) add_axis(plant_.acting[k]);
     }
   }
   // Springs are solved in the look-ahead only.
   if (moment_ == kAhead)
-    for (const std::size_t i : islands.springs(part.island)) add_spring(i);
+    for (const std::size_t i : islands.springs(island_)) add_spring(i);
 }
 
 RowBlock& Bounded::add_block(Owner owner, std::size_t dim) {
@@ -135,7 +129,7 @@ void Bounded::connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB 
 RowEnd& Bounded::add_free_end(RowBlock& block, std::size_t body) {
   // The body's first row gives it six velocities and its mass.
   if (slot_[body] == kNone) {
-    slot_[body] = 6 * (slotted_.size() - parts_[building_].first_free);
+    slot_[body] = 6 * slotted_.size();
     slotted_.push_back(body);
     FreeBody& free = bodies_.emplace_back();
     free.mass = plant_.bodies.constants[body].mass;
@@ -188,7 +182,7 @@ void Bounded::add_twist(std::size_t index) {
   const Touch& touch = plant_.touches[index];
   RowBlock& block = add_block({Of::kTwist, index}, 3);
   block.kind = RowBlock::Kind::kTwist;
-  block.contact = blocks_.size() - 2 - parts_[building_].first_block;
+  block.contact = blocks_.size() - 2;
   block.friction = touch.rolling_friction;
   block.torsion = touch.torsional_friction;
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.twist[moment_][i];
@@ -266,7 +260,7 @@ void Bounded::connect_axis_apart(RowBlock& block, const Axis& axis) {
 
 void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   if (apart_) return connect_axis_apart(block, axis);
-  MechanismRows& rows = of_mechanism_[axis.mechanism];
+  MechanismRows& rows = rows_of(axis.mechanism);
   add_mechanism_end(block, static_cast<int>(axis.mechanism));
   // An axis of the tree is pushed directly.
   if (axis.node >= 0) {
@@ -282,12 +276,12 @@ void Bounded::connect_axis(RowBlock& block, const Axis& axis) {
   rows.rows.push_back({.line = line, .without_loops = mechanism.free_response(line, plant_.bodies)});
 }
 
-// The offset is known in finish() only.
+// The offset is known in connect_responses() only.
 RowEnd& Bounded::add_mechanism_end(RowBlock& block, int mechanism) {
   RowEnd& end = block.ends[block.end_count++];
   end.free = false;
   end.mechanism = static_cast<std::size_t>(mechanism);
-  end.first = of_mechanism_[end.mechanism].rows.size();
+  end.first = rows_of(end.mechanism).rows.size();
   return end;
 }
 
@@ -306,83 +300,52 @@ void Bounded::connect_mechanism(RowBlock& block, int a, const Reach* at_a, int b
       line.angular_b = angular((*at_b)[row]);
       line.linear_b = linear((*at_b)[row]);
     }
-    of_mechanism_[static_cast<std::size_t>(any.mechanism)].rows.push_back({.line = line});
+    rows_of(static_cast<std::size_t>(any.mechanism)).rows.push_back({.line = line});
   }
 }
 
-// An island's velocities: first the bodies without joints, then the mechanisms; likewise W of each mechanism.
-void Bounded::lay_out(Part& part) {
-  part.block_count = blocks_.size() - part.first_block;
-  part.free_count = slotted_.size() - part.first_free;
-  part.velocity_count = 6 * part.free_count;
-  part.response_count = 0;
-  for (const std::size_t m : mechanisms(part)) {
-    // Each row needs an answer of the mechanism (find_response), which is looked at from each row.
-    MechanismRows& rows = of_mechanism_[m];
-    plant_.work.take(rows.rows.size() * (plant_.mechanisms[m].units() + rows.rows.size()));
-    rows.offset = part.velocity_count;
-    rows.response = part.response_count;
-    part.velocity_count += rows.rows.size();
-    part.response_count += rows.rows.size() * rows.rows.size();
-  }
-}
-
-void Bounded::finish() {
-  // measure_ahead() asks which mechanisms have rows.
-  for (std::size_t m = 0; m < of_mechanism_.size(); ++m)
-    plant_.mechanism_bound[m] = !of_mechanism_[m].rows.empty();
+// measure_ahead() asks for the marks. A limited step has rows on bodies instead of mechanisms.
+void Bounded::mark_bound() {
+  for (const std::size_t m : mechanisms()) plant_.mechanism_bound[m] = !rows_of(m).rows.empty();
+  if (!apart_) return;
   for (const std::size_t body : slotted_)
     if (const int m = plant_.places[body].mechanism; m >= 0)
       plant_.mechanism_bound[static_cast<std::size_t>(m)] = true;
-  std::size_t velocities = 0, responses = 0;
-  for (const Part& part : parts_) {
-    velocities += part.velocity_count;
-    responses += part.response_count;
+}
+
+// First the bodies without joints, then the mechanisms; likewise W of each mechanism.
+void Bounded::lay_out() {
+  std::size_t velocities = 6 * slotted_.size(), responses = 0;
+  for (const std::size_t m : mechanisms()) {
+    // Each row needs an answer of the mechanism (find_response), which is looked at from each row.
+    MechanismRows& rows = rows_of(m);
+    work_.take(rows.rows.size() * (plant_.mechanisms[m].units() + rows.rows.size()));
+    rows.offset = velocities;
+    rows.response = responses;
+    velocities += rows.rows.size();
+    responses += rows.rows.size() * rows.rows.size();
   }
   velocities_.resize(velocities);
   responses_.resize(responses);
-  before_.resize(blocks_.size());
-  if (moment_ == kHit) {
-    met_.resize(blocks_.size());
-    shares_.resize(blocks_.size());
-  }
-  // Each island gets its share of the lists.
-  velocities = responses = 0;
-  for (Part& part : parts_) {
-    part.rows = {std::span(blocks_).subspan(part.first_block, part.block_count),
-                 std::span(velocities_).subspan(velocities, part.velocity_count),
-                 std::span(bodies_).subspan(part.first_free, part.free_count),
-                 std::span(responses_).subspan(responses, part.response_count)};
-    part.rows.calm = is_calm(part.island);
-    if (part.response_count > 0) connect_responses(part, &responses_[responses]);
-    velocities += part.velocity_count;
-    responses += part.response_count;
-    part.by = &rows_;
-    rows_.take(part.rows);
-    rows_.prepare();
-  }
 }
 
-// `W`: of the island's mechanisms.
-void Bounded::connect_responses(Part& part, double* W) {
-  for (RowBlock& block : part.rows.blocks) {
+void Bounded::connect_responses() {
+  for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       RowEnd& end = block.ends[e];
       if (end.free) continue;
-      const MechanismRows& rows = of_mechanism_[end.mechanism];
+      const MechanismRows& rows = rows_of(end.mechanism);
       end.size = rows.rows.size();
       end.response = rows.response;
       end.offset = rows.offset;
     }
   }
-  for (const std::size_t m : mechanisms(part)) find_response(m, W + of_mechanism_[m].response);
+  for (const std::size_t m : mechanisms()) find_response(m, responses_.data() + rows_of(m).response);
   // Stops and laws measure their response by that of the axis alone.
-  for (std::size_t k = 0; k < part.block_count; ++k) {
-    const Of of = owners_[part.first_block + k].of;
-    if (of != Of::kStop && of != Of::kLaw) continue;
-    RowBlock& block = part.rows.blocks[k];
-    const RowEnd& end = block.ends[0];
-    block.free_response = of_mechanism_[end.mechanism].rows[end.first].without_loops;
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    if (owners_[k].of != Of::kStop && owners_[k].of != Of::kLaw) continue;
+    const RowEnd& end = blocks_[k].ends[0];
+    blocks_[k].free_response = rows_of(end.mechanism).rows[end.first].without_loops;
   }
 }
 
@@ -393,10 +356,10 @@ double Bounded::rate_in_answer(std::size_t m, const MechanismRow& row) const {
 }
 
 void Bounded::find_response(std::size_t m, double* W) {
-  if (of_mechanism_[m].rows.empty()) return;
+  if (rows_of(m).rows.empty()) return;
   Mechanism& mechanism = plant_.mechanisms[m];
   mechanism.factor(plant_.bodies);
-  std::vector<MechanismRow>& rows = of_mechanism_[m].rows;
+  std::vector<MechanismRow>& rows = rows_of(m).rows;
   if (!mechanism.holds_responses_cheaply(rows.size()) || !trace_rows(m))
     return find_response_row_by_row(m, W);
   mechanism.tree().find_response(W);
@@ -409,7 +372,7 @@ void Bounded::find_response(std::size_t m, double* W) {
 // The three rows of a contact act on the same bodies, so they are followed together.
 bool Bounded::trace_rows(std::size_t m) {
   Tree& tree = plant_.mechanisms[m].tree();
-  const std::vector<MechanismRow>& rows = of_mechanism_[m].rows;
+  const std::vector<MechanismRow>& rows = rows_of(m).rows;
   tree.begin_traces(rows.size());
   for (std::size_t i = 0, count = 0; i < rows.size(); i += count) {
     std::array<TreePush, Tree::kMostTogether> a, b;
@@ -435,7 +398,7 @@ bool Bounded::trace_rows(std::size_t m) {
 
 // A unit impulse on each of the rows, answered by the mechanism.
 void Bounded::find_response_row_by_row(std::size_t m, double* W) {
-  MechanismRows& rows = of_mechanism_[m];
+  MechanismRows& rows = rows_of(m);
   Mechanism& mechanism = plant_.mechanisms[m];
   const std::size_t n = rows.rows.size();
   for (std::size_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// Keeps a limited step (stepper_limited.cc) from gaining energy. Bodies that touch each other, or hang
+// Keeps a limited step (island_limited.cc) from gaining energy. Bodies that touch each other, or hang
 // together by joints or springs, are an island: what one gains another may have lost. No island ends a step
 // with more energy than it had before, and what drives, wrenches, springs and bodies of other engines can
 // have given.
@@ -16,7 +16,6 @@ class EnergyGuard {
   void begin(const Plant& plant);
   // The body's island will stay where it was before the step, at rest.
   void hold(std::size_t body) { held_[joined_.leader(body)] = 1; }
-  void release() { std::fill(held_.begin(), held_.end(), 0); }  // takes all hold() back
   // Slows an island down that has gained energy. One that has gained more than its whole motion holds, or
   // whose numbers are not finite, stays where it was. Returns the numbers of the bodies that stay.
   std::vector<std::size_t> end(Plant& plant, std::span<const Wrench> wrenches, double h);

@@ -18,8 +18,8 @@ namespace visum::dynamics {
 namespace impulse {
 namespace {
 
-// Units of work for a tick, unless the scene sets another number; see README.md.
-constexpr std::uint64_t kWorkLimit = 50'000'000;
+// Units of work for a tick, and more for each contact, unless the scene sets another number; see README.md.
+constexpr std::uint64_t kWorkLimit = 50'000'000, kWorkPerContact = 5'000;
 constexpr int kMostHalvings = 6;  // a tick's steps may be cut down to 1/64
 
 // True if the joint's position counts more than one turn.
@@ -35,8 +35,7 @@ class ImpulseEngine : public Engine {
       : index_(static_cast<std::size_t>(engine_index)),
         plant_(model, engine_index),
         stepper_(plant_),
-        sleep_(plant_),
-        limit_(plant_.setting.work_limit != 0 ? plant_.setting.work_limit : kWorkLimit) {
+        sleep_(plant_) {
     within_.joints.resize(model.joints.size());
     for (std::size_t i = 0; i < model.joints.size(); ++i)
       if (counts_turns(model.joints[i])) turning_.push_back(i);
@@ -82,16 +81,22 @@ class ImpulseEngine : public Engine {
  private:
   // Makes the tick, within the limit of work. Returns false where a step cannot be made.
   bool make(bool one_thread, const StepInput& input, const world::WorldState& state) {
+    stepper_.begin_tick(one_thread);
     prepare(input, state);
     warned_ = false;
-    stepper_.begin_tick(one_thread);
-    plant_.work.start(limit_);
+    plant_.work.start(work_limit());
     // Orders above 2 need the factors to decide on the stages.
     if (plant_.setting.order > 2) stepper_.factor(input.tick_s, state);
     bool ok = true;
     for (const double share : stages(plant_, input.tick_s))
       ok = ok && advance(share * input.tick_s, 0, input, state);
     return ok;
+  }
+
+  // Units that this tick may take.
+  std::uint64_t work_limit() const {
+    const std::uint64_t set = plant_.setting.work_limit;
+    return set != 0 ? set : kWorkLimit + kWorkPerContact * plant_.touches.size();
   }
 
   // Loads everything that a tick starts from: bodies, sleep, drives, contacts, warm start.
@@ -103,13 +108,13 @@ class ImpulseEngine : public Engine {
     sleep_.begin(input, state, kept, plant_);
     prepare_axes(plant_, input.drives, state);
     for (Spring& spring : plant_.springs) spring.total = 0.0;
-    find_touches(plant_, input.contacts, state);
-    plant_.islands.find(plant_);
+    list_touches(plant_, input.contacts);
+    plant_.islands.find(plant_, input.wrenches);
     // The memory ends with the guard's part, then that of sleep.
     const std::size_t guard = stepper_.guard().bytes(), rest = std::min(kept.size(), guard + sleep_.bytes());
     const auto first = std::span(kept).first(kept.size() - rest);
-    read_warm_start(first, input.contacts, plant_);
-    note_landings(plant_, input.contacts, input.tick_s);
+    const WarmStart warm_start = read_warm_start(first, input.contacts, plant_);
+    stepper_.load_touches(input, state, warm_start);
     stepper_.guard().read(std::span(kept).subspan(first.size(), std::min(guard, rest)));
   }
 
@@ -251,7 +256,6 @@ class ImpulseEngine : public Engine {
   double moved_s_ = 0.0;              // length of the last step of this tick: the axes must still be measured
   std::array<Moving, kMostHalvings + 1> before_;  // by number of halvings
   bool warned_ = false;                           // in this tick
-  std::uint64_t limit_;                           // units of work for one tick
   std::vector<Vector3d> reached_;  // by touch: impulses of the look-ahead when the work was spent
 };
 

@@ -3,8 +3,28 @@
 #include <system_error>
 
 namespace visum::dynamics::impulse {
+namespace {
 
-IslandPool::IslandPool(int threads) {
+// Looks at a number before a thread sleeps until it changes: about 20 us. A thread that wakes up takes about
+// as long, and within a tick the next round comes soon.
+constexpr int kMostLooks = 1000;
+
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+// Returns once the number is another one.
+void await_change(const std::atomic<std::uint32_t>& number, std::uint32_t old) {
+  for (int i = 0; i < kMostLooks; ++i, pause())
+    if (number.load(std::memory_order_acquire) != old) return;
+  number.wait(old, std::memory_order_acquire);
+}
+
+}  // namespace
+
+IslandPool::IslandPool(int threads) : shares_(static_cast<std::size_t>(threads)) {
   try {
     for (int i = 1; i < threads; ++i)
       others_.emplace_back([this, worker = static_cast<std::size_t>(i)] { serve(worker); });
@@ -25,30 +45,38 @@ void IslandPool::end() {
   for (std::thread& other : others_) other.join();
 }
 
-void IslandPool::take_turns(std::size_t worker) {
-  for (std::size_t i = next_.fetch_add(1, std::memory_order_relaxed); i < count_;
-       i = next_.fetch_add(1, std::memory_order_relaxed))
-    call_(work_, worker, i);
+void IslandPool::take_turns(std::size_t worker, Share& share, bool own) {
+  std::uint64_t left = share.left.load(std::memory_order_relaxed);
+  for (;;) {
+    const std::size_t first = left >> 32, end = left & UINT32_MAX;
+    if (first >= end) return;
+    const std::uint64_t rest = own ? pack(first + 1, end) : pack(first, end - 1);
+    if (!share.left.compare_exchange_weak(left, rest, std::memory_order_relaxed)) continue;
+    call_(work_, worker, own ? first : end - 1);
+    left = share.left.load(std::memory_order_relaxed);
+  }
 }
 
-void IslandPool::run_all(std::size_t count) {
-  count_ = count;
-  next_.store(0, std::memory_order_relaxed);
+void IslandPool::take_all_turns(std::size_t worker) {
+  for (std::size_t i = 0; i < threads(); ++i) take_turns(worker, shares_[(worker + i) % threads()], i == 0);
+}
+
+void IslandPool::run_all() {
   busy_.store(static_cast<std::uint32_t>(others_.size()), std::memory_order_relaxed);
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
-  take_turns(0);
+  take_all_turns(0);
   // Each thread takes part in each round, if only to find that nothing is left.
   for (std::uint32_t busy = busy_.load(std::memory_order_acquire); busy > 0;
        busy = busy_.load(std::memory_order_acquire))
-    busy_.wait(busy, std::memory_order_acquire);
+    await_change(busy_, busy);
 }
 
 void IslandPool::serve(std::size_t worker) {
   for (std::uint32_t seen = 0;; ++seen) {
-    round_.wait(seen, std::memory_order_acquire);
+    await_change(round_, seen);
     if (ending_) return;
-    take_turns(worker);
+    take_all_turns(worker);
     if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
   }
 }

@@ -15,7 +15,9 @@ namespace visum::dynamics::impulse {
 struct NeedsOneThread {};
 
 // The tick's thread and `threads` - 1 others. Plant owns it. The tick's thread calls; the others sleep
-// between calls. Work is handed over by atomics, without allocation.
+// between calls. Work is handed over by atomics, without allocation. Each thread begins with a share of its
+// own, in order: islands that keep their places then stay in the cache of one processor. A thread that has
+// done its share helps the others, from their ends.
 class IslandPool {
  public:
   explicit IslandPool(int threads);  // throws std::system_error where the system refuses a thread
@@ -26,25 +28,40 @@ class IslandPool {
   std::size_t threads() const { return others_.size() + 1; }
   // Calls work(worker, i) once for each i below `count`, and returns when all are done. `worker` is below
   // threads(), 0 the calling thread; calls of one worker come one after the other. `work` must not throw.
-  template <typename Work>
-  void run(std::size_t count, Work& work) {
+  // cost(i): how long that takes, in any unit; the shares are as equal as that says.
+  template <typename Cost, typename Work>
+  void run(std::size_t count, Cost cost, Work& work) {
+    std::size_t whole = 0, done = 0, first = 0;
+    for (std::size_t i = 0; i < count; ++i) whole += cost(i);
+    for (std::size_t worker = 0, end = 0; worker < threads(); ++worker, first = end) {
+      while (end < count && (worker + 1 == threads() || done * threads() < whole * (worker + 1)))
+        done += cost(end++);
+      shares_[worker].left.store(pack(first, end), std::memory_order_relaxed);
+    }
     work_ = &work;
     call_ = [](void* what, std::size_t worker, std::size_t i) { (*static_cast<Work*>(what))(worker, i); };
-    run_all(count);
+    run_all();
   }
 
  private:
-  void run_all(std::size_t count);
-  void take_turns(std::size_t worker);  // calls until no index is left
-  void serve(std::size_t worker);       // a thread's whole life
+  // What is left of a thread's share: the first index, and the end.
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> left{0};
+  };
+  static std::uint64_t pack(std::size_t first, std::size_t end) { return first << 32 | end; }
+
+  void run_all();
+  // Calls what is left of a share: its own from the front, another one's from behind.
+  void take_turns(std::size_t worker, Share& share, bool own);
+  void take_all_turns(std::size_t worker);
+  void serve(std::size_t worker);  // a thread's whole life
   void end();
 
   // The present work: run_all() writes it before round_ grows, and the others read it after.
   void* work_ = nullptr;
   void (*call_)(void*, std::size_t, std::size_t) = nullptr;
-  std::size_t count_ = 0;
   bool ending_ = false;
-  alignas(64) std::atomic<std::size_t> next_{0};     // the first index that nobody has taken
+  std::vector<Share> shares_;                        // by worker
   alignas(64) std::atomic<std::uint32_t> round_{0};  // grows with each run
   alignas(64) std::atomic<std::uint32_t> busy_{0};   // threads that have not finished the round
   std::vector<std::thread> others_;

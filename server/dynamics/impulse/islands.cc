@@ -31,19 +31,20 @@ Islands::Islands(const Plant& plant)
       join_bodies(joined_, mechanism.body(0), mechanism.body(i));
   for (const Spring& spring : plant.springs) join_bodies(joined_, spring.spec.a, spring.spec.b);
   sets_ = joined_;
-  list(plant);
+  list(plant, {});
 }
 
-void Islands::find(const Plant& plant) {
-  // Without contacts, now and in the last tick, the islands are the same.
-  if (plant.touches.empty() && touches_.things.empty()) return;
+void Islands::find(const Plant& plant, std::span<const Wrench> wrenches) {
+  // Without contacts and wrenches, now and in the last tick, the islands are the same.
+  if (plant.touches.empty() && touches_.things.empty() && wrenches.empty() && wrenches_.things.empty())
+    return;
   sets_ = joined_;
   for (const Touch& touch : plant.touches)
     if (!touch.asleep) join_bodies(sets_, touch.a, touch.b);
-  list(plant);
+  list(plant, wrenches);
 }
 
-void Islands::list(const Plant& plant) {
+void Islands::list(const Plant& plant, std::span<const Wrench> wrenches) {
   std::fill(number_.begin(), number_.end(), kNone);
   const auto mark = [&](int body) {
     if (body >= 0) number_[sets_.leader(static_cast<std::size_t>(body))] = 0;
@@ -51,12 +52,15 @@ void Islands::list(const Plant& plant) {
   for (std::size_t i = 0; i < plant.mechanisms.size(); ++i) mark(body_of_mechanism(plant, i));
   for (std::size_t i = 0; i < plant.springs.size(); ++i) mark(body_of_spring(plant, i));
   for (std::size_t i = 0; i < plant.touches.size(); ++i) mark(body_of_touch(plant, i));
+  for (const Wrench& wrench : wrenches) mark(plant.bodies.number(wrench.body));
   count_ = 0;
   for (std::size_t& number : number_)
     if (number != kNone) number = count_++;
+  list(bodies_, plant.bodies.size(), [](std::size_t i) { return static_cast<int>(i); });
   list(mechanisms_, plant.mechanisms.size(), [&](std::size_t i) { return body_of_mechanism(plant, i); });
   list(springs_, plant.springs.size(), [&](std::size_t i) { return body_of_spring(plant, i); });
   list(touches_, plant.touches.size(), [&](std::size_t i) { return body_of_touch(plant, i); });
+  list(wrenches_, wrenches.size(), [&](std::size_t i) { return plant.bodies.number(wrenches[i].body); });
 }
 
 // Counting sort: how many things each island has, where they end, then each thing in its place from behind.

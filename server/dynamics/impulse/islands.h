@@ -8,25 +8,30 @@
 #include <vector>
 
 #include "server/dynamics/disjoint_sets.h"
+#include "server/dynamics/engine.h"
 
 namespace visum::dynamics::impulse {
 
 struct Plant;
 
-// Found anew in each tick, from the contacts alone, so that a restored world has the same islands. They are
-// numbered in the order of their first bodies. A body that nothing is connected to is in no island. Plant
-// owns it; tick's thread. Allocates only while it grows.
+// Found anew in each tick, from contacts and wrenches alone, so that a restored world has the same islands.
+// They are numbered in the order of their first bodies. A body that nothing is connected to, and on which no
+// wrench acts, is in no island. Plant owns it; tick's thread. Allocates only while it grows.
 class Islands {
  public:
   Islands() {}                           // none
   explicit Islands(const Plant& plant);  // joins what joints and springs connect
-  void find(const Plant& plant);         // joins what the tick's contacts connect, too
+  // Joins what the tick's contacts connect, too.
+  void find(const Plant& plant, std::span<const Wrench> wrenches);
 
   std::size_t size() const { return count_; }
-  // Their members, as indices into the plant's lists, ascending. Contacts that sleep are left out.
+  // Their members, as indices into the plant's lists, and into the wrenches, ascending. Contacts that sleep
+  // are left out.
+  std::span<const std::size_t> bodies(std::size_t island) const { return bodies_.of(island); }
   std::span<const std::size_t> mechanisms(std::size_t island) const { return mechanisms_.of(island); }
   std::span<const std::size_t> springs(std::size_t island) const { return springs_.of(island); }
   std::span<const std::size_t> touches(std::size_t island) const { return touches_.of(island); }
+  std::span<const std::size_t> wrenches(std::size_t island) const { return wrenches_.of(island); }
 
  private:
   // Things in the order of their islands, and where each island's begin.
@@ -37,7 +42,7 @@ class Islands {
     }
   };
   // Numbers the islands and lists their members.
-  void list(const Plant& plant);
+  void list(const Plant& plant, std::span<const Wrench> wrenches);
   // Lists `count` things; body_of() says a body of each, or -1 for one that is left out.
   template <typename BodyOf>
   void list(Members& members, std::size_t count, BodyOf body_of);
@@ -45,7 +50,7 @@ class Islands {
   DisjointSets joined_, sets_;       // of bodies: by joints and springs; by contacts, too
   std::vector<std::size_t> number_;  // by body that leads a set: the island's number
   std::size_t count_ = 0;
-  Members mechanisms_, springs_, touches_;
+  Members bodies_, mechanisms_, springs_, touches_, wrenches_;
 };
 
 }  // namespace visum::dynamics::impulse

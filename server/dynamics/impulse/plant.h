@@ -75,13 +75,23 @@ struct AxesOf {
   std::span<const std::size_t> numbers;
 };
 
-// One contact during one tick. The columns of `frame` are the normal n and the tangents t1, t2, in W.
-struct Touch {
-  Touch() {}  // members without a value below stay unset
+// What is known of a contact before its island is: where it is in the tick's list, the numbers of its bodies
+// (-1: this engine does not move it), whether it keeps the impulses that the last awake tick recorded, and
+// which record the warm start has of it.
+struct TouchEnds {
+  static constexpr std::size_t kNew = static_cast<std::size_t>(-1);  // there is no record
 
-  std::size_t contact = 0;  // index in the tick's list of contacts
-  int a = -1, b = -1;       // numbers of the bodies; -1: this engine does not move it
-  Vector3d ra, rb;          // contact point seen from the centres of mass (unused where the number is -1)
+  std::size_t contact = 0, record = kNew;
+  int a = -1, b = -1;
+  bool asleep = false;
+};
+
+// One contact during one tick. The columns of `frame` are the normal n and the tangents t1, t2, in W.
+struct Touch : TouchEnds {
+  Touch() {}  // members without a value below stay unset
+  explicit Touch(const TouchEnds& ends) : TouchEnds(ends) {}
+
+  Vector3d ra, rb;  // contact point seen from the centres of mass (unused where the number is -1)
   // True if one of the two shapes is a ball whose centre is not its body's centre of mass. The way from the
   // latter to the former is a part of the lever that turns with the body: in the body's axes, and now in W.
   bool eccentric = false;
@@ -103,7 +113,6 @@ struct Touch {
   double total_normal = 0.0;
   Vector3d total = Vector3d::Zero();        // impulse on A in this tick, in W
   Vector3d total_twist = Vector3d::Zero();  // the same for the twist
-  bool asleep = false;                      // keeps the impulses that the last awake tick recorded
   Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
   Vector3d kept_change;  // on A, in W: by how much the end of the last step gave more than its look-ahead
   // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
@@ -175,6 +184,17 @@ struct Plant {
   AxesOf acting_axes_of(std::size_t mechanism) {
     const std::size_t first = first_acting[mechanism];
     return {axes.data(), std::span(acting).subspan(first, first_acting[mechanism + 1] - first)};
+  }
+  // Calls act(axis) for each axis of an island that is not idle.
+  template <typename Act>
+  void for_axes(std::size_t island, Act act) {
+    for (const std::size_t m : islands.mechanisms(island))
+      for (Axis& axis : acting_axes_of(m)) act(axis);
+  }
+  // Calls act(touch) for each contact of an island.
+  template <typename Act>
+  void for_touches(std::size_t island, Act act) {
+    for (const std::size_t i : islands.touches(island)) act(touches[i]);
   }
   // Calls `act` with the blocks of all bodies that have no joints and do not sleep.
   template <typename Act>
@@ -260,46 +280,48 @@ inline double known_impulse(const Axis& axis, Moment moment, double h) {
   return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
 }
 
-// Tells the mechanisms' trees which axes have a law in the tree, and how far each gives way.
-void set_tree_axes(Plant& plant, double h);
+// Tells an island's trees which axes have a law in the tree, and how far each gives way.
+void set_tree_axes(Plant& plant, std::size_t island, double h);
 // Asks the tree for the rates that the laws miss. Returns the largest of them.
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
 // Adds the tree's answer to the impulses of the laws.
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
-// Sets the impulses of laws, stops and hits to zero: a step starts, or starts again.
-void reset_impulses(Plant& plant);
-// Notes the impulses of the laws that are at their limit. Then checks each law: one that has passed its
-// limit, or that asks for less than its limit, takes part in another way from now on. Returns true if any
+// Sets the impulses of laws, stops and hits to zero: an island's step starts, or starts again.
+void reset_impulses(Plant& plant, std::size_t island);
+// Notes the impulses of an island's laws that are at their limit. Then checks each law: one that has passed
+// its limit, or that asks for less than its limit, takes part in another way from now on. Returns true if any
 // did, and the moment must then be solved again. With `as_rows` such a law becomes a row, which finds its
 // side of the limit itself.
-bool change_laws(Plant& plant, Moment moment, double h, bool as_rows);
+bool change_laws(Plant& plant, std::size_t island, Moment moment, double h, bool as_rows);
 
 bool is_asleep(const Plant& plant, const Spring& spring);
-// Measures the springs' lengths at t and the directions in which they pull.
-void measure_springs(Plant& plant, const world::WorldState& state);
-// Measures the rates of the lengths of some of them over the look-ahead of h.
-void measure_springs_ahead(Plant& plant, std::span<const std::size_t> springs, const world::WorldState& state,
-                           double h);
-void push_by_springs(Plant& plant,
-                     const world::WorldState& state);  // repeats the look-ahead's impulses at t+h
+// Measures an island's springs: lengths at t and the directions in which they pull.
+void measure_springs(Plant& plant, std::size_t island, const world::WorldState& state);
+// Measures the rates of the lengths over the look-ahead of h.
+void measure_springs_ahead(Plant& plant, std::size_t island, const world::WorldState& state, double h);
+// Repeats the look-ahead's impulses at t+h.
+void push_by_springs(Plant& plant, std::size_t island, const world::WorldState& state);
 
-// Marks the contacts and stops that are hit hard enough to bounce. Returns true if there are any.
-bool find_hits(Plant& plant, double h);
-// Moves each contact to one common point at t+h. The two bodies have slid past each other by then, and
-// impulses at two different points would add angular momentum. The point of the body that turns faster is
-// taken: the lever of a rolling ball then stays as it is.
-void meet_touches(Plant& plant);
-// Moves the contacts' depths, levers and frames on by a step of length h.
-void carry_touches(Plant& plant, double h);
+// Marks an island's contacts and stops that are hit hard enough to bounce. Returns true if there are any.
+bool find_hits(Plant& plant, std::size_t island, double h);
+// Moves each contact of an island to one common point at t+h. The two bodies have slid past each other by
+// then, and impulses at two different points would add angular momentum. The point of the body that turns
+// faster is taken: the lever of a rolling ball then stays as it is.
+void meet_touches(Plant& plant, std::size_t island);
+// Moves the depths, levers and frames of an island's contacts on by a step of length h.
+void carry_touches(Plant& plant, std::size_t island, double h);
 // Velocity of A against B along the normal, m/s; positive: they part.
 double normal_speed(const Plant& plant, const Touch& touch);
 
-// Notes how deep each pair of shapes has landed: a body falls into another one before it is seen to touch, by
-// up to its speed times h. Lifting it out at once would give a rocking tower more energy than landings take,
-// and it would rock for ever. So up to g h² of that depth is left alone, and taken out with the time constant
-// kRiseS.
-void note_landings(Plant& plant, std::span<const collision::Contact> contacts, double h);
-// Makes the touches of this tick from the contacts that concern this engine's bodies.
-void find_touches(Plant& plant, std::span<const collision::Contact> contacts, const world::WorldState& state);
+// Notes how deep each pair of shapes of an island has landed: a body falls into another one before it is seen
+// to touch, by up to its speed times h. Lifting it out at once would give a rocking tower more energy than
+// landings take, and it would rock for ever. So up to g h² of that depth is left alone, and taken out with
+// the time constant kRiseS.
+void note_landings(Plant& plant, std::size_t island, std::span<const collision::Contact> contacts, double h);
+// Lists the touches of this tick: the contacts that concern this engine's bodies. Only their ends are set.
+void list_touches(Plant& plant, std::span<const collision::Contact> contacts);
+// Makes a touch from its ends and its contact.
+void load_touch(const Plant& plant, std::span<const collision::Contact> contacts,
+                const world::WorldState& state, Touch& touch);
 
 }  // namespace visum::dynamics::impulse

@@ -45,16 +45,16 @@ bool is_asleep(const Plant& plant, const Spring& spring) {
   return plant.asleep[static_cast<std::size_t>(spring.spec.b)] != 0;
 }
 
-void measure_springs(Plant& plant, const world::WorldState& state) {
-  for (Spring& spring : plant.springs) {
+void measure_springs(Plant& plant, std::size_t island, const world::WorldState& state) {
+  for (const std::size_t i : plant.islands.springs(island)) {
+    Spring& spring = plant.springs[i];
     measure(spring, plant.bodies, state);
     spring.acts = spring.acts && !is_asleep(plant, spring);
   }
 }
 
-void measure_springs_ahead(Plant& plant, std::span<const std::size_t> springs, const world::WorldState& state,
-                           double h) {
-  for (const std::size_t i : springs) {
+void measure_springs_ahead(Plant& plant, std::size_t island, const world::WorldState& state, double h) {
+  for (const std::size_t i : plant.islands.springs(island)) {
     Spring& spring = plant.springs[i];
     if (!spring.acts) continue;
     const JointPose ahead = pose_ahead(spring.spec, plant.bodies, state.joints[spring.spec.id.index()], h);
@@ -62,18 +62,19 @@ void measure_springs_ahead(Plant& plant, std::span<const std::size_t> springs, c
   }
 }
 
-void push_by_springs(Plant& plant, const world::WorldState& state) {
+void push_by_springs(Plant& plant, std::size_t island, const world::WorldState& state) {
   Bodies& bodies = plant.bodies;
-  for (Spring& spring : plant.springs) {
+  for (const std::size_t number : plant.islands.springs(island)) {
+    Spring& spring = plant.springs[number];
     const double impulse = spring.impulse;
     measure(spring, bodies, state);
     spring.impulse = impulse;  // the energy guard needs it
     spring.total += 2.0 * impulse;
     if (impulse == 0.0) continue;
     const Pull& pull = spring.pull;
-    const auto push = [&](int number, double sign, const Vector3d& p) {
-      if (number < 0) return;
-      const auto i = static_cast<std::size_t>(number);
+    const auto push = [&](int body, double sign, const Vector3d& p) {
+      if (body < 0) return;
+      const auto i = static_cast<std::size_t>(body);
       bodies.v[i] += sign * impulse * bodies.constants[i].inverse_mass * pull.v;
       bodies.w[i] +=
           sign * impulse * (bodies.inverse_inertia[i] * (pull.w + (p - bodies.x[i]).cross(pull.v)));

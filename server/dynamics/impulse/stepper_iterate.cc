@@ -23,29 +23,29 @@ constexpr double kSmoothGain = 1e-4;  // share of the kinetic energy that a smoo
 void Stepper::set_firm(bool firm) {
   if (!corrector_ || firm == firm_) return;
   firm_ = firm;
-  iterates_ = !firm;
-  std::swap(bounds_, firm_bounds_);
+  plan_.iterates = !firm;
+  std::swap(plan_.bounds, firm_bounds_);
 }
 
 bool Stepper::take_firmly() {
-  if (!iterates_) return false;
+  if (!plan_.iterates) return false;
   set_firm(true);
   return true;
 }
 
 // A flight from rest without gravity, in which nothing acts but joints, moves the bodies by as little as
 // closes the gaps (each body by its mass). They keep their velocities, so closing a gap kicks nothing.
-void Stepper::move_together(double h, const world::WorldState& state) {
+void Stepper::move_together() {
   Bodies& bodies = plant_.bodies;
   const Vector3d nowhere = Vector3d::Zero();
   for (const Axis& axis : plant_.acting_axes())
     if (axis.node >= 0) plant_.mechanisms[axis.mechanism].set_axis(static_cast<std::size_t>(axis.node), {});
-  copy(bodies.v, unpushed_v_);
-  copy(bodies.w, unpushed_w_);
+  copy(bodies.v, scratch_.unpushed_v);
+  copy(bodies.w, scratch_.unpushed_w);
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     Mechanism& mechanism = plant_.mechanisms[m];
     if (plant_.mechanism_asleep[m]) continue;
-    mechanism.place(bodies, state);
+    mechanism.place(bodies, *plan_.state);
     for (std::size_t i = 0; i < mechanism.size(); ++i) {
       const auto body = static_cast<std::size_t>(mechanism.body(i));
       bodies.v[body] = bodies.w[body] = Vector3d::Zero();
@@ -53,20 +53,20 @@ void Stepper::move_together(double h, const world::WorldState& state) {
     double before = 0.0, gap = 0.0;
     for (int pass = 0; pass < kMostMoves; ++pass) {
       plant_.work.take(mechanism.units());
-      bodies.look_ahead(mechanism.blocks(), h, nowhere);
+      bodies.look_ahead(mechanism.blocks(), plan_.h, nowhere);
       mechanism.clear();
-      gap = mechanism.ask_gaps(bodies, state, h);
+      gap = mechanism.ask_gaps(bodies, *plan_.state, plan_.h);
       if (pass == 0) before = gap;
-      if (!(gap > d_max(m))) break;
+      if (!(gap > plan_.bounds.d_max_by_mechanism[m])) break;
       if (pass == 0) mechanism.factor(bodies);
       mechanism.solve();
       mechanism.apply(bodies);
     }
-    if (gap < before && bodies.commit(mechanism.blocks(), h, nowhere)) mechanism.forget_place();
+    if (gap < before && bodies.commit(mechanism.blocks(), plan_.h, nowhere)) mechanism.forget_place();
     for (std::size_t i = 0; i < mechanism.size(); ++i) {
       const auto body = static_cast<std::size_t>(mechanism.body(i));
-      bodies.v[body] = unpushed_v_[body];
-      bodies.w[body] = unpushed_w_[body];
+      bodies.v[body] = scratch_.unpushed_v[body];
+      bodies.w[body] = scratch_.unpushed_w[body];
     }
   }
 }
@@ -79,27 +79,27 @@ double Stepper::fastest_turn() const {
 }
 
 // Where each joint was within its bound, nothing is left.
-bool Stepper::holds_together(double h, const world::WorldState& state) {
+bool Stepper::holds_together() {
   began_apart_ = left_apart_ = 0.0;
   for (std::size_t m = 0; m < plant_.mechanisms.size(); ++m) {
     if (plant_.mechanism_asleep[m]) continue;
     began_apart_ = std::max(began_apart_, corrector_->largest_gap(m));
     if (!fell_short_) continue;
     plant_.mechanisms[m].clear();
-    left_apart_ = std::max(left_apart_, plant_.mechanisms[m].ask_gaps(plant_.bodies, state, h));
+    left_apart_ = std::max(left_apart_, plant_.mechanisms[m].ask_gaps(plant_.bodies, *plan_.state, plan_.h));
     if (!(left_apart_ <= kMostLeft)) return false;
   }
   return true;
 }
 
-bool Stepper::keep_energy(double h, std::span<const Wrench> wrenches) {
-  const bool apart = iterates_ && std::max(began_apart_, left_apart_) > kSmallGap;
-  const bool smooth = !apart && std::abs(h) * fastest_turn() <= kSmallTurn;
+bool Stepper::keep_energy() {
+  const bool apart = plan_.iterates && std::max(began_apart_, left_apart_) > kSmallGap;
+  const bool smooth = !apart && std::abs(plan_.h) * fastest_turn() <= kSmallTurn;
   const double allowed = smooth ? kSmoothGain : 0.0;
   if (apart) {
-    if (guard_.is_off(plant_, wrenches, h, allowed)) return false;
+    if (guard_.is_off(plant_, plan_.wrenches, plan_.h, allowed)) return false;
   } else {
-    guard_.take_back(plant_, wrenches, h, allowed);
+    guard_.take_back(plant_, plan_.wrenches, plan_.h, allowed);
   }
   guard_.settle();
   return true;

@@ -75,35 +75,37 @@ Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>&
 
 }  // namespace
 
-void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
-                     Plant& plant) {
+WarmStart read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
+                          Plant& plant) {
   bytes = read_predictions(bytes, plant);
-  if (bytes.size() % sizeof(Record) != 0) return;
+  if (bytes.size() % sizeof(Record) != 0) return {};
   const std::size_t count = bytes.size() / sizeof(Record);
   std::size_t i = 0;
   // Touches and records are sorted alike: one pass finds the pairs.
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
-    if (i == count) return;
-    Record record = record_at(bytes, i);
-    while (key(record) < key(contact)) {
-      if (++i == count) return;
-      record = record_at(bytes, i);
-    }
-    const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
-    const Vector3d change = vector(record.change);
-    // A new contact starts from zero, and so does one with bad numbers.
-    if (key(record) != key(contact)) continue;
-    if (!impulse.allFinite() || !twist.allFinite() || !change.allFinite()) continue;
-    unpack_rest(record.rest, touch);
-    touch.kept_impulse = impulse;
-    touch.kept_twist = twist;
-    touch.kept_change = change;
-    if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
-    touch.impulse[kAhead] = touch.frame.transpose() * impulse;
-    // The surface may have turned since: a normal impulse never pulls.
-    touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
+    while (i < count && key(record_at(bytes, i)) < key(contact)) ++i;
+    if (i == count) break;
+    if (key(record_at(bytes, i)) == key(contact)) touch.record = i;
   }
+  return {bytes};
+}
+
+void WarmStart::load(Touch& touch) const {
+  if (touch.record == TouchEnds::kNew) return;
+  const Record record = record_at(records_, touch.record);
+  const Vector3d impulse = vector(record.impulse), twist = vector(record.twist);
+  const Vector3d change = vector(record.change);
+  // A contact with bad numbers starts from zero, as a new one does.
+  if (!impulse.allFinite() || !twist.allFinite() || !change.allFinite()) return;
+  unpack_rest(record.rest, touch);
+  touch.kept_impulse = impulse;
+  touch.kept_twist = twist;
+  touch.kept_change = change;
+  if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
+  touch.impulse[kAhead] = touch.frame.transpose() * impulse;
+  // The surface may have turned since: a normal impulse never pulls.
+  touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
 }
 
 std::size_t warm_start_bytes(const Plant& plant) {

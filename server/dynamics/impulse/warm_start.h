@@ -17,10 +17,20 @@
 
 namespace visum::dynamics::impulse {
 
-// Reads it into the mechanisms' predictions and the touches' impulses. Records of contacts that no longer
-// exist, and bytes of another engine, are ignored.
-void read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
-                     Plant& plant);
+// The records of contacts in the bytes that read_warm_start() has looked at. The bytes must outlive it.
+class WarmStart {
+ public:
+  WarmStart(std::span<const std::byte> records = {}) : records_(records) {}
+  void load(Touch& touch) const;  // reads the touch's record, if it has one; several threads may call it
+
+ private:
+  std::span<const std::byte> records_;
+};
+
+// Reads it into the mechanisms' predictions, and tells the touches which records are theirs. Records of
+// contacts that no longer exist, and bytes of another engine, are ignored.
+WarmStart read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
+                          Plant& plant);
 std::size_t warm_start_bytes(const Plant& plant);
 // Writes the first warm_start_bytes() of `bytes`.
 void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,

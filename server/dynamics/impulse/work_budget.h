@@ -13,7 +13,6 @@
 //   building rows, free flight   kPerTouch for each contact, kPerBody for each body (Bounded, Stepper)
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -22,41 +21,25 @@ namespace visum::dynamics::impulse {
 // Ends what would cost more than is left. ImpulseEngine catches it and makes the tick anew, limited.
 struct WorkSpent {};
 
-// The work of one tick of one engine. Plant owns it; tick's thread, and while it is shared those of the pool.
-class WorkBudget {
+// The work of one tick of one engine. Plant owns it; tick's thread. Each other thread of the pool has one of
+// its own, and what it took is taken here afterwards (stepper.h).
+class alignas(64) WorkBudget {
  public:
   static constexpr std::size_t kMultiplications = 32;  // in a unit
   static constexpr std::size_t kPerNode = 12, kPerTouch = 12, kPerBody = 4;
 
   // A tick begins, and may take so much.
-  void start(std::uint64_t limit) {
-    limit_ = limit;
-    left_.store(limit, std::memory_order_relaxed);
-  }
-  // While several threads take. Their sum is the same in any order, and so is whether it meets the limit.
-  void share(bool shared) { shared_ = shared; }
-  bool is_shared() const { return shared_; }
+  void start(std::uint64_t limit) { limit_ = left_ = limit; }
   // Asked before each piece of work, for all of it. Throws WorkSpent where that is more than is left.
   void take(std::uint64_t units) {
-    if (shared_) return take_shared(units);
-    const std::uint64_t left = left_.load(std::memory_order_relaxed);
-    if (units > left) throw WorkSpent{};
-    left_.store(left - units, std::memory_order_relaxed);
+    if (units > left_) throw WorkSpent{};
+    left_ -= units;
   }
-  std::uint64_t taken() const { return limit_ - left_.load(std::memory_order_relaxed); }  // since start()
+  std::uint64_t left() const { return left_; }
+  std::uint64_t taken() const { return limit_ - left_; }  // since start()
 
  private:
-  // Never goes below zero, so that the limit also holds for threads that still solve when one has met it.
-  void take_shared(std::uint64_t units) {
-    std::uint64_t left = left_.load(std::memory_order_relaxed);
-    do {
-      if (units > left) throw WorkSpent{};
-    } while (!left_.compare_exchange_weak(left, left - units, std::memory_order_relaxed));
-  }
-
-  std::uint64_t limit_ = UINT64_MAX;
-  std::atomic<std::uint64_t> left_ = UINT64_MAX;
-  bool shared_ = false;
+  std::uint64_t limit_ = UINT64_MAX, left_ = UINT64_MAX;
 };
 
 }  // namespace visum::dynamics::impulse

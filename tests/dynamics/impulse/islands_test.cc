@@ -41,23 +41,46 @@ TEST(Islands, JoinWhatJointsSpringsAndContactsConnect) {
   EXPECT_EQ(listed(islands.springs(1)), Indices{0});
   // 6 lies on the ground and on 4, and 5 touches the spring. Only bodies 0 and 1 stay for themselves.
   plant.touches = {touch_of(6, -1), touch_of(5, 3), touch_of(4, 6)};
-  islands.find(plant);
+  islands.find(plant, {});
   ASSERT_EQ(islands.size(), 3u);
   EXPECT_TRUE(islands.touches(0).empty());
   EXPECT_EQ(listed(islands.touches(1)), Indices{1});
   EXPECT_EQ(listed(islands.springs(1)), Indices{0});
   EXPECT_EQ(listed(islands.touches(2)), (Indices{0, 2}));
+  EXPECT_EQ(listed(islands.bodies(0)), (Indices{0, 1}));
+  EXPECT_EQ(listed(islands.bodies(1)), (Indices{2, 3, 5}));
+  EXPECT_EQ(listed(islands.bodies(2)), (Indices{4, 6}));
   // 3 and 1 meet: everything jointed is one island. Sleeping contacts belong to none.
   plant.touches = {touch_of(6, -1), touch_of(1, 3)};
   plant.touches[0].asleep = true;
-  islands.find(plant);
+  islands.find(plant, {});
   ASSERT_EQ(islands.size(), 1u);
   EXPECT_EQ(listed(islands.mechanisms(0)), Indices{0});
   EXPECT_EQ(listed(islands.springs(0)), Indices{0});
   EXPECT_EQ(listed(islands.touches(0)), Indices{1});
   plant.touches.clear();
-  islands.find(plant);
+  islands.find(plant, {});
   EXPECT_EQ(islands.size(), 2u);
+}
+
+TEST(Islands, ABodyThatAWrenchPushesIsOne) {
+  const ModelBuilder b = seven_bodies(physics::engine_row("impulse").setting);
+  impulse::Plant plant(b.model, 0);
+  impulse::Islands& islands = plant.islands;
+  std::vector<Wrench> wrenches(3);
+  wrenches[0].body = {5};
+  wrenches[1].body = {1};
+  wrenches[2].body = {5};
+  islands.find(plant, wrenches);
+  ASSERT_EQ(islands.size(), 3u);
+  EXPECT_EQ(listed(islands.wrenches(0)), Indices{1});
+  EXPECT_TRUE(islands.wrenches(1).empty());
+  EXPECT_EQ(listed(islands.wrenches(2)), (Indices{0, 2}));
+  EXPECT_EQ(listed(islands.bodies(2)), Indices{5});
+  // They are gone in the next tick.
+  islands.find(plant, {});
+  ASSERT_EQ(islands.size(), 2u);
+  EXPECT_TRUE(islands.wrenches(0).empty());
 }
 
 // Boxes that fall on one another and bounce a little, beside a loose chain that falls onto its own box.

@@ -1,7 +1,9 @@
 // Islands on several threads: any number of them gives the same bits.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numeric>
+#include <thread>
 
 #include "server/dynamics/impulse/island_pool.h"
 #include "tests/dynamics/lab.h"
@@ -25,7 +27,8 @@ TEST(IslandPool, DoesEachThingOnce) {
         ++done[i];
         ++by_worker[worker];
       };
-      pool.run(round % 65, work);
+      pool.run(
+          round % 65, [&](std::size_t i) { return (i + round) % 7; }, work);
     }
     std::vector<int> expected(64, 0);
     for (std::size_t round = 0; round < 2000; ++round)
@@ -34,6 +37,35 @@ TEST(IslandPool, DoesEachThingOnce) {
     EXPECT_EQ(std::accumulate(by_worker.begin(), by_worker.end(), 0),
               std::accumulate(expected.begin(), expected.end(), 0));
   }
+}
+
+TEST(IslandPool, BeginsWithSharesOfTheSameCost) {
+  impulse::IslandPool pool(2);
+  // One dear thing, and nine cheap ones. Each thread waits in its first until the other has begun, too.
+  std::vector<int> first(2, -1);
+  std::atomic<int> begun = 0;
+  auto work = [&](std::size_t worker, std::size_t i) {
+    if (first[worker] >= 0) return;
+    first[worker] = static_cast<int>(i);
+    ++begun;
+    while (begun < 2) std::this_thread::yield();
+  };
+  pool.run(
+      10, [](std::size_t i) { return i == 0 ? 9u : 1u; }, work);
+  EXPECT_EQ(first, (std::vector<int>{0, 1}));
+}
+
+TEST(IslandPool, AThreadThatIsDoneHelpsTheOthers) {
+  impulse::IslandPool pool(2);
+  // The first thread's share is five things. It stays in the first one until all others are done.
+  std::atomic<int> done = 0;
+  auto work = [&](std::size_t, std::size_t i) {
+    while (i == 0 && done < 9) std::this_thread::yield();
+    ++done;
+  };
+  pool.run(
+      10, [](std::size_t) { return 1u; }, work);
+  EXPECT_EQ(done, 10);
 }
 
 // A run leaves this, tick by tick: the state with the engine's memory, and what was told.
