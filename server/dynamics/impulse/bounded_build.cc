@@ -62,8 +62,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   system_.calm = is_calm();
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
-  rows_.take(system_);
-  rows_.prepare();
+  rows_.prepare(system_);
 }
 
 bool Bounded::is_calm() const {

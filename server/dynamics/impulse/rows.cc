@@ -60,18 +60,15 @@ void invert_tangents(RowBlock& block) {
 
 }  // namespace
 
-void Rows::take(RowIsland& island) {
+void Rows::prepare(RowIsland& island) {
   island_ = &island;
   blocks_ = island.blocks;
   velocities_ = island.velocities;
   bodies_ = island.bodies;
   responses_ = island.responses;
-}
-
-void Rows::prepare() {
+  has_pairs_ = has_lanes_ = has_factor_ = false;
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
-  island_->factored_by = island_->paired_by = island_->laid_out_by = nullptr;
   for (RowBlock& block : blocks_) {
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
@@ -218,7 +215,7 @@ double Rows::largest_miss() {
   find_errors();
   double largest = 0.0;
   const auto look_at = [&](std::size_t i) { largest = std::max(largest, miss(blocks_[i], errors_[i])); };
-  if (are_contacts_laid_out()) {
+  if (has_lanes_) {
     largest = contact_lanes_.largest_miss();
     std::ranges::for_each(contact_lanes_.others(), look_at);
   } else {
@@ -230,7 +227,7 @@ double Rows::largest_miss() {
 void Rows::find_errors() {
   errors_.resize(blocks_.size());
   const auto look_at = [&](std::size_t i) { errors_[i] = errors(blocks_[i]); };
-  if (are_contacts_laid_out()) {
+  if (has_lanes_) {
     contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
     std::ranges::for_each(contact_lanes_.others(), look_at);
   } else {
@@ -238,15 +235,9 @@ void Rows::find_errors() {
   }
 }
 
-bool Rows::are_contacts_laid_out() const {
-  return island_->laid_out_by == this && laid_out_island_ == island_;
-}
-
 void Rows::lay_out_contacts() {
-  if (are_contacts_laid_out()) return;
-  contact_lanes_.lay_out(blocks_);
-  island_->laid_out_by = this;
-  laid_out_island_ = island_;
+  if (!has_lanes_) contact_lanes_.lay_out(blocks_);
+  has_lanes_ = true;
 }
 
 double Rows::sweep(bool forwards) {

@@ -16,8 +16,6 @@
 
 namespace visum::dynamics::impulse {
 
-class Rows;
-
 // The rows that one solution has to satisfy together, and all that they act on: parts of the caller's arrays.
 // Indices in the blocks (offset, response, contact) count from the beginnings of these parts.
 struct RowIsland {
@@ -32,22 +30,16 @@ struct RowIsland {
   bool solved = false;                // the last solve() left no more than allowed, where it looked last
   bool changed = false;               // the last solve() has changed the velocities
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
-  // Since prepare(): who keeps a factor of some of the rows, and responses of blocks to each other.
-  const Rows* factored_by = nullptr;
-  const Rows* paired_by = nullptr;
-  const Rows* laid_out_by = nullptr;  // and contacts side by side
 };
 
-// Solves an island of rows with bounds. Order of calls: fill an island, take(), prepare(), then solve() any
-// number of times. In between other islands may be taken. Owned by Bounded, used on the tick's thread.
-// Allocates only while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks
+// Solves an island of rows with bounds. Order of calls: fill an island, prepare(), then solve() any number of
+// times. Owned by Bounded, used on its thread. Allocates only while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks
 // at that.
 class Rows {
  public:
   // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
   explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr)
       : kernels_(&by), work_(work), factor_(by), body_factor_(by), contact_lanes_(by) {}
-  void take(RowIsland& island);  // what follows concerns this island, which must stay valid
   // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
   // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
   // (-1), at a lever from the centre of mass.
@@ -61,8 +53,9 @@ class Rows {
                                end.MJ[0].data(), block.K.data());
   }
 
-  // Completes the blocks' K and softness, once all ends are known.
-  void prepare();
+  // Completes the blocks' K and softness, once all ends are known. What follows concerns this island, which
+  // must stay valid; nothing is kept of the one before.
+  void prepare(RowIsland& island);
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
   // rad/s), or more than `share` of the island's largest change; free bodies that are jammed may miss ten
   // times that (rows_soft.cc). Returns the largest miss at the start, or of the first sweep. Does nothing if
@@ -142,10 +135,8 @@ class Rows {
   // Largest miss of any block, without correcting it. Calls find_errors(), which fills errors_.
   double largest_miss();
   void find_errors();
-  // Lays the contacts of an island without mechanisms side by side, until the next prepare(). That pays where
-  // many passes follow.
+  // Lays the contacts of an island without mechanisms side by side. That pays where many passes follow.
   void lay_out_contacts();
-  bool are_contacts_laid_out() const;
   // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's
   // largest so far.
   double note_change();
@@ -180,8 +171,7 @@ class Rows {
     double operator()(std::size_t r, std::size_t s) const { return first[r * stride + s]; }
   };
   Responses find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory);
-  // Forgets pairs_ where they are not of this island, or older than its prepare().
-  void keep_pairs();
+  void start_pairs();  // makes room for pairs_, unless that has been done since prepare()
   // The same for active rows, without the friction that b drags along.
   static double response(const Responses& of, const Row& a, std::size_t s);
   static double response(const Responses& of, const Row& a, const Row& b);
@@ -249,13 +239,9 @@ class Rows {
   void count_work(std::uint64_t units) const {
     if (work_ != nullptr) work_->take(units);
   }
-  void count_factor(std::uint64_t units) {
-    factor_units_ += units;
-    count_work(units);
-  }
 
   const Kernels* kernels_;
-  RowIsland* island_ = nullptr;  // that was taken
+  RowIsland* island_ = nullptr;  // that was prepared
   // Its arrays.
   std::span<RowBlock> blocks_;
   std::span<double> velocities_;
@@ -271,18 +257,16 @@ class Rows {
   bool by_bodies_ = false;          // which of the two factors is in use
   std::vector<double> pairs_;       // nine for each two blocks
   std::vector<char> pairs_known_;   // for each two blocks; empty: they are not kept
-  const RowIsland* paired_island_ = nullptr;
-  // The factor that is kept: of which rows in which island, and the rows' softness.
-  const RowIsland* factored_island_ = nullptr;
+  // What is kept since prepare(): responses of blocks to each other, contacts side by side, and a factor, of
+  // which rows, with their softness.
+  bool has_pairs_ = false, has_lanes_ = false, has_factor_ = false;
   std::vector<Row> factored_;
   std::vector<double> factored_softness_;
-  std::uint64_t factor_units_ = 0;  // work of the factor
   // Misses of the active rows, then their changes of impulse.
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
   ContactLanes contact_lanes_;
-  const RowIsland* laid_out_island_ = nullptr;
   // By block: what the rows miss, where largest_miss() or find_missing() has looked last.
   std::vector<std::array<double, 3>> errors_;
   Point start_, last_, direction_;

@@ -19,7 +19,9 @@ namespace {
 
 // Solutions with the same active rows.
 constexpr int kMostRefinements = 2;
-constexpr std::size_t kMostEntries = 400'000;  // of the factor: beyond this, sweeps alone are quicker
+// Numbers in the factor of rows, and in each triangle of that of bodies: beyond this, sweeps alone are quicker,
+// or take less memory.
+constexpr std::size_t kMostEntries = 400'000, kMostBodyEntries = 2'000'000;
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
 constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
@@ -63,10 +65,9 @@ double Rows::response(const RowEnd& a, std::size_t r, const RowEnd& b, std::size
   return a.free ? dot(a.J[r], b.MJ[s].data()) : responses_[a.response + (a.first + r) * a.size + b.first + s];
 }
 
-void Rows::keep_pairs() {
-  if (island_->paired_by == this && paired_island_ == island_) return;
-  island_->paired_by = this;
-  paired_island_ = island_;
+void Rows::start_pairs() {
+  if (has_pairs_) return;
+  has_pairs_ = true;
   const std::size_t pairs = blocks_.size() <= kMostPaired ? blocks_.size() * blocks_.size() : 0;
   pairs_known_.assign(pairs, 0);
   if (pairs_.size() < 9 * pairs) pairs_.resize(9 * pairs);
@@ -170,28 +171,19 @@ void Rows::find_active() {
 }
 
 bool Rows::is_factored() const {
-  return island_->factored_by == this && factored_island_ == island_ && factored_ == active_ &&
-         factored_softness_ == active_softness_;
+  return has_factor_ && factored_ == active_ && factored_softness_ == active_softness_;
 }
 
 // Rows that all stick have the same system from pass to pass.
 bool Rows::factor_active() {
   active_softness_.resize(active_.size());
   std::ranges::transform(active_, active_softness_.begin(), [this](const Row& row) { return softness(row); });
-  if (is_factored()) {
-    // As if it were factored again: whether it is depends on the islands that the same thread has solved.
-    count_work(factor_units_);
-    return true;
-  }
+  if (is_factored()) return true;
   const std::size_t kept = factored_rows();
-  // Where this fails, no island has a factor any more.
-  island_->factored_by = nullptr;
-  factored_island_ = nullptr;
-  factor_units_ = 0;
+  has_factor_ = false;
   by_bodies_ = bodies_alone();
-  if (!(by_bodies_ ? factor_bodies(kMostEntries) : factor_rows(kept))) return false;
-  island_->factored_by = this;
-  factored_island_ = island_;
+  if (!(by_bodies_ ? factor_bodies(kMostBodyEntries) : factor_rows(kept))) return false;
+  has_factor_ = true;
   factored_ = active_;
   factored_softness_ = active_softness_;
   return true;
@@ -216,7 +208,7 @@ void Rows::find_groups() {
 }
 
 std::size_t Rows::factored_rows() const {
-  if (island_->factored_by != this || factored_island_ != island_ || by_bodies_) return 0;
+  if (!has_factor_ || by_bodies_) return 0;
   const std::size_t most = std::min(active_.size(), factored_.size());
   std::size_t kept = 0;
   while (kept < most && factored_[kept] == active_[kept] &&
@@ -225,23 +217,23 @@ std::size_t Rows::factored_rows() const {
   return kept;
 }
 
-// Rows before `kept` are as in the factor before, but work counts as if it were made anew: what is kept
-// depends on the islands that the same thread has solved.
+// Rows before `kept` are as in the factor before.
 bool Rows::factor_rows(std::size_t kept) {
   // The pattern: each row begins at the first active row that it shares a body or mechanism with.
   find_groups();
-  keep_pairs();
+  start_pairs();
   factor_.restart(kept);
   for (const Group& group : groups_) {
     const auto first = std::ranges::find_if(groups_, [&](const Group& other) {
       return other.begin == group.begin || meet(*other.block, *group.block);
     });
     for (std::size_t i = group.begin; i < group.end; ++i) {
-      if (i >= kept) factor_.add(first->begin);
+      if (i < kept) continue;
+      factor_.add(first->begin);
       if (factor_.entries() > kMostEntries) return false;
       // Its entries, and their elimination.
       const std::size_t width = i - first->begin + 1;
-      count_factor(width * (kPerResponse + width / WorkBudget::kMultiplications));
+      count_work(width * (kPerResponse + width / WorkBudget::kMultiplications));
     }
   }
   factor_.place();
@@ -275,7 +267,7 @@ void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
 }
 
 double Rows::find_missing() {
-  const bool laid_out = are_contacts_laid_out();
+  const bool laid_out = has_lanes_;
   if (laid_out) find_errors();
   missing_.resize(active_.size());
   double largest = 0.0;

@@ -67,9 +67,9 @@ bool Rows::factor_bodies(std::size_t most_entries) {
   for (const BodyRow& row : body_rows_)
     if (row.ends == 2) body_factor_.connect(row.body[0], row.body[1]);
   // The search for an order looks at all bodies that are left, once for each.
-  count_factor(bodies_.size() * bodies_.size() / 2 / WorkBudget::kMultiplications);
+  count_work(bodies_.size() * bodies_.size() / 2 / WorkBudget::kMultiplications);
   if (!body_factor_.place(most_entries)) return false;
-  count_factor(body_factor_.multiplications() / WorkBudget::kMultiplications);
+  count_work(body_factor_.multiplications() / WorkBudget::kMultiplications);
   for (std::size_t i = 0; i < active_.size();) {
     const std::size_t count = rows_of_block(i).size();
     body_factor_.add(std::span(body_rows_).subspan(i, count));

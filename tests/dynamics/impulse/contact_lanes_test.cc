@@ -30,8 +30,7 @@ class ContactScene {
       add_contact(i);
     }
     island_ = {blocks_, velocities_, bodies_, {}};
-    rows_.take(island_);
-    rows_.prepare();
+    rows_.prepare(island_);
     for (RowBlock& block : blocks_)
       for (std::size_t i = 0; i < block.dim; ++i) block.centre[i] = 0.1 * any();
     lanes_ = ContactLanes(by);
