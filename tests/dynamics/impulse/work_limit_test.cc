@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/contact_models.h"
 
 namespace visum::dynamics::testing {
 namespace {
@@ -248,6 +249,18 @@ TEST(WorkLimit, GoldenBits) {
 TEST(WorkLimit, IsMetByNothingThatIsUsual) {
   Lab lab(pile(impulse(0)));
   for (int tick = 0; tick < 300; ++tick) ASSERT_FALSE(lab.step().limited);
+}
+
+// It has 10,000 contacts, and its first tick needs 80 million units: more than a small scene may take.
+TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
+  Lab lab(physics::wall(impulse(0), 1e-3, 36, 36));
+  for (int tick = 0; tick < 2; ++tick) {
+    const StepResult result = lab.step();
+    EXPECT_FALSE(result.limited);
+    EXPECT_FALSE(result.warned);
+    if (tick == 0) EXPECT_GT(result.work, 50'000'000u);
+  }
+  for (const auto& body : lab.state.bodies) EXPECT_LT(body.v_WC.norm(), 1e-4);
 }
 
 }  // namespace
