@@ -44,7 +44,7 @@ class IslandPool {
   }
 
  private:
-  // What is left of a thread's share: the first index, and the end.
+  // The rest of a thread's share: its first index, and its end.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> left{0};
   };

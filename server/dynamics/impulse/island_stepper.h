@@ -8,7 +8,7 @@
 
 namespace visum::dynamics::impulse {
 
-// What the steps of all islands have in common. Stepper fills it; it does not change during a step.
+// Common to the steps of all islands. Stepper fills it; it does not change during a step.
 struct StepPlan {
   // How closely and how long the joints of a step are solved.
   struct Bounds {
@@ -27,7 +27,7 @@ struct StepPlan {
   bool iterates = false;           // joint after joint, by the corrector
 };
 
-// What is noted about an island during a step.
+// Notes about an island during a step.
 struct IslandFate {
   const JointSpec* broken = nullptr;  // the joint with the largest gap, where there is no solution
   std::size_t mechanism = 0;          // its own

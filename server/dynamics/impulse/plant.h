@@ -75,9 +75,9 @@ struct AxesOf {
   std::span<const std::size_t> numbers;
 };
 
-// What is known of a contact before its island is: where it is in the tick's list, the numbers of its bodies
-// (-1: this engine does not move it), whether it keeps the impulses that the last awake tick recorded, and
-// which record the warm start has of it.
+// A contact as far as it is known before its island is: its place in the tick's list, the numbers of its
+// bodies (-1: this engine does not move it), whether it keeps the impulses that the last awake tick recorded,
+// and which record the warm start has of it.
 struct TouchEnds {
   static constexpr std::size_t kNew = static_cast<std::size_t>(-1);  // there is no record
 

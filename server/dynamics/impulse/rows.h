@@ -33,8 +33,8 @@ struct RowIsland {
 };
 
 // Solves an island of rows with bounds. Order of calls: fill an island, prepare(), then solve() any number of
-// times. Owned by Bounded, used on its thread. Allocates only while it grows. Where no answer exists, the result may be NaN or infinite; the caller looks
-// at that.
+// times. Owned by Bounded, used on its thread. Allocates only while it grows. Where no answer exists, the
+// result may be NaN or infinite; the caller looks at that.
 class Rows {
  public:
   // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
@@ -257,8 +257,8 @@ class Rows {
   bool by_bodies_ = false;          // which of the two factors is in use
   std::vector<double> pairs_;       // nine for each two blocks
   std::vector<char> pairs_known_;   // for each two blocks; empty: they are not kept
-  // What is kept since prepare(): responses of blocks to each other, contacts side by side, and a factor, of
-  // which rows, with their softness.
+  // Kept since prepare(): responses of blocks to each other, contacts side by side, and a factor, of which
+  // rows, with their softness.
   bool has_pairs_ = false, has_lanes_ = false, has_factor_ = false;
   std::vector<Row> factored_;
   std::vector<double> factored_softness_;

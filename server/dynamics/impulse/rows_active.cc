@@ -19,8 +19,8 @@ namespace {
 
 // Solutions with the same active rows.
 constexpr int kMostRefinements = 2;
-// Numbers in the factor of rows, and in each triangle of that of bodies: beyond this, sweeps alone are quicker,
-// or take less memory.
+// Numbers in the factor of rows, and in each triangle of that of bodies: beyond this, sweeps alone are
+// quicker, or take less memory.
 constexpr std::size_t kMostEntries = 400'000, kMostBodyEntries = 2'000'000;
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking

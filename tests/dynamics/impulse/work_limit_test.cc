@@ -258,7 +258,9 @@ TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
     const StepResult result = lab.step();
     EXPECT_FALSE(result.limited);
     EXPECT_FALSE(result.warned);
-    if (tick == 0) EXPECT_GT(result.work, 50'000'000u);
+    if (tick == 0) {
+      EXPECT_GT(result.work, 50'000'000u);
+    }
   }
   for (const auto& body : lab.state.bodies) EXPECT_LT(body.v_WC.norm(), 1e-4);
 }
