@@ -136,7 +136,8 @@ struct EngineSetting {
   double sleep_s = 0.0;  // impulse: bodies that stood still for so long sleep; 0: none ever sleeps
   std::string impact = "newton";  // impulse: "newton" or "poisson", the meaning of restitution
   // Work that one tick may take. impulse: in row updates (server/dynamics/impulse/work_budget.h). ode: rows
-  // that the direct solver may have; beyond, the tick is made by QuickStep. 0: the engine's own limit.
+  // that the direct solver may have; beyond, the tick is made by QuickStep. 0: the engine's own limit, which
+  // impulse raises with the contacts.
   std::uint64_t work_limit = 0;
   int threads = 1;  // impulse: that solve islands side by side; the state does not depend on it
 };

@@ -43,8 +43,9 @@ struct BodiesMotion {
   std::vector<Quaterniond> q_WB;
 };
 
-// Plant owns it; used on the tick's thread only. Nothing here fails. Kernels work on the arrays in blocks of
-// four bodies.
+// Plant owns it. On the tick's thread, but look_ahead() and commit(), which several threads may call at a
+// time for bodies of their own (plant.h). Nothing here fails. Kernels work on the arrays in blocks of four
+// bodies.
 class Bodies {
  public:
   Bodies(const world::WorldModel& model, std::int32_t engine_index);
@@ -52,7 +53,8 @@ class Bodies {
   Bodies& operator=(const Bodies&) = delete;
 
   std::size_t size() const { return constants.size(); }
-  // The number of an extra body that stands for everything that is not this engine's: it rests at the origin.
+  // The number of an extra body that stands for everything that is not this engine's: it rests at the origin,
+  // and nobody writes it.
   int still() const { return static_cast<int>(size()); }
   int number(world::BodyId id) const {
     return id.valid() ? numbers_[id.index()] : -1;

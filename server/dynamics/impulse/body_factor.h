@@ -27,7 +27,7 @@ struct FreeBody {
   std::array<double, 9> inertia{};  // about the centre of mass, in W
 };
 
-// Owned by Rows, used on the tick's thread. Call in the order of the declarations. Nothing that is kept from
+// Owned by Rows, used on its thread. Call in the order of the declarations. Nothing that is kept from
 // one use to the next shows in a result.
 class BodyFactor {
  public:

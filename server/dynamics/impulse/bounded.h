@@ -97,8 +97,8 @@ class Bounded {
   void connect_axis(RowBlock& block, const Axis& axis);
   // The same to the axis' two bodies, as if they had no joints.
   void connect_axis_apart(RowBlock& block, const Axis& axis);
-  template <typename FindA, typename FindB>
   // Connects a block to bodies a and b, each free or part of a mechanism.
+  template <typename FindA, typename FindB>
   void connect_bodies(RowBlock& block, int a, int b, FindA find_a, FindB find_b);
   // Adds an end on a body without joints, and gives the body a place in the velocities.
   RowEnd& add_free_end(RowBlock& block, std::size_t body);

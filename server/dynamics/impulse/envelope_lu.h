@@ -11,7 +11,7 @@
 namespace visum::dynamics::impulse {
 
 // Order of calls: restart(), add() for each further row, place(), fill at() for these, factor(), solve().
-// Owned by Rows, used on the tick's thread.
+// Owned by Rows, used on its thread.
 class EnvelopeLu {
  public:
   explicit EnvelopeLu(const Kernels& by = kernels()) : kernels_(&by) {}

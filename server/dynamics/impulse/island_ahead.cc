@@ -287,6 +287,8 @@ bool IslandStepper::close_together() {
 }
 
 bool IslandStepper::look_ahead() {
+  fate_->broken = nullptr;
+  fate_->followed = false;
   // Kept for take_back().
   if (!plan_.iterates) {
     copy(plant_.bodies.v, kept_.unpushed_v);

@@ -10,14 +10,15 @@
 
 namespace visum::dynamics::impulse {
 
-// Ends a tick in which an island that several threads solved has failed, or has met the limit of work. The
-// engine makes the tick anew with one thread, which then fails as it always does, and leaves the same bits.
+// Ends a tick that has met the limit of work while several threads stepped. The engine makes it anew with one
+// thread, which then meets the limit where it always does, and leaves the same bits.
 struct NeedsOneThread {};
 
-// The tick's thread and `threads` - 1 others. Plant owns it. The tick's thread calls; the others sleep
-// between calls. Work is handed over by atomics, without allocation. Each thread begins with a share of its
-// own, in order: islands that keep their places then stay in the cache of one processor. A thread that has
-// done its share helps the others, from their ends.
+// The tick's thread and `threads` - 1 others. Plant owns it. The tick's thread calls. Whoever waits, for the
+// next call or for the others, looks again for some 10 us, then sleeps. Work is handed over by atomics,
+// without allocation. Each thread begins with a share of its own, in order: islands that keep their places
+// then stay in the cache of one processor. A thread that has done its share helps the others, from their
+// ends.
 class IslandPool {
  public:
   explicit IslandPool(int threads);  // throws std::system_error where the system refuses a thread
@@ -27,7 +28,8 @@ class IslandPool {
 
   std::size_t threads() const { return others_.size() + 1; }
   // Calls work(worker, i) once for each i below `count`, and returns when all are done. `worker` is below
-  // threads(), 0 the calling thread; calls of one worker come one after the other. `work` must not throw.
+  // threads(), 0 the calling thread; calls of one worker come one after the other. `work` must not throw: the
+  // program would end.
   // cost(i): how long that takes, in any unit; the shares are as equal as that says.
   template <typename Cost, typename Work>
   void run(std::size_t count, Cost cost, Work& work) {
@@ -52,8 +54,10 @@ class IslandPool {
 
   void run_all();
   // Calls what is left of a share: its own from the front, another one's from behind.
-  void take_turns(std::size_t worker, Share& share, bool own);
+  void take_turns(std::size_t worker, Share& share, bool own) noexcept;
   void take_all_turns(std::size_t worker);
+  // Returns once the number is another one.
+  void await_change(const std::atomic<std::uint32_t>& number, std::uint32_t old) const;
   void serve(std::size_t worker);  // a thread's whole life
   void end();
 
@@ -62,6 +66,7 @@ class IslandPool {
   void (*call_)(void*, std::size_t, std::size_t) = nullptr;
   bool ending_ = false;
   std::vector<Share> shares_;                        // by worker
+  int most_looks_ = 0;                               // at a number, before a thread sleeps until it changes
   alignas(64) std::atomic<std::uint32_t> round_{0};  // grows with each run
   alignas(64) std::atomic<std::uint32_t> busy_{0};   // threads that have not finished the round
   std::vector<std::thread> others_;

@@ -184,7 +184,7 @@ bool IslandStepper::find_impulses() {
 
 void IslandStepper::hit() {
   bounded_.build(island_, kHit, plan_.h, fate_->course);
-  bounded_.bounce();
+  if (bounded_.has_rows()) bounded_.bounce();
   bounded_.report();
   plant_.for_axes(island_, [&](Axis& axis) { axis.rate = plant_.rate(axis); });
 }
@@ -281,26 +281,26 @@ void IslandStepper::correct(std::size_t island, IslandFate& fate) {
   begin(island, fate);
   commit();
   begin_after();
-  const auto solve = [&] {
-    for (int i = 0; i < kMostChanges; ++i) {
-      if (i > 0) restore_velocities();
-      push();
-      factor();
-      each_awake([&](std::size_t m) { match_velocities(m); });
-      bounded_.build(island_, kAfter, plan_.h, fate_->course);
-      if (bounded_.has_rows()) bounded_.solve();
-      bounded_.report();
-      const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
-      if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;
-      if (i + 1 == kMostChanges) return false;
-      // The laws' impulses at t+h are found anew.
-      plant_.for_axes(island_, [](Axis& axis) { axis.law[kAfter] = axis.damped[kAfter] = 0.0; });
-      for (const std::size_t m : mechanisms()) plant_.mechanisms[m].prediction().take_back_after();
-    }
-    return false;
-  };
-  if (!solve()) fate_->fell_short = true;
+  if (!find_velocities()) fate.fell_short = true;
   give_back_energy();
+}
+
+bool IslandStepper::find_velocities() {
+  for (int i = 0;; ++i) {
+    push();
+    factor();
+    each_awake([&](std::size_t m) { match_velocities(m); });
+    bounded_.build(island_, kAfter, plan_.h, fate_->course);
+    if (bounded_.has_rows()) bounded_.solve();
+    bounded_.report();
+    const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
+    if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;
+    if (i + 1 == kMostChanges) return false;
+    // The laws' impulses at t+h are found anew.
+    restore_velocities();
+    plant_.for_axes(island_, [](Axis& axis) { axis.law[kAfter] = axis.damped[kAfter] = 0.0; });
+    for (const std::size_t m : mechanisms()) plant_.mechanisms[m].prediction().take_back_after();
+  }
 }
 
 void IslandStepper::count_impulses(std::size_t island) {

@@ -59,7 +59,7 @@ struct StepScratch {
 };
 
 // Steps one island after the other. Stepper owns one for each thread of the pool, which uses it alone: it
-// reads and writes nothing but its island. Bodies without joints fly in between, when all islands have
+// writes nothing but its island. Bodies without joints fly in between, when all islands have
 // foreseen. Rows keep their memory from step to step, so that a step allocates nothing once warm.
 class IslandStepper {
  public:
@@ -193,6 +193,7 @@ class IslandStepper {
   void commit();
   // Springs push at t+h, and rows start from what they gave at t.
   void begin_after();
+  bool find_velocities();  // those at t+h; false: laws changed too often
   // island_limited.cc: look-ahead and velocities of a limited step.
   void look_ahead_limited();
   void find_velocities_limited();

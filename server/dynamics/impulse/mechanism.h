@@ -28,7 +28,7 @@ struct PathEnds {
 };
 
 // Order of calls in a step: place(), factor(), then clear(), requests (ask..., push), solve(), answers (rate,
-// apply) any number of times. Plant owns it; it is used on the tick's thread. It does not fail: near a
+// apply) any number of times. Plant owns it; its island's thread uses it. It does not fail: near a
 // singular pose a loop's rows that explain each other are left out.
 class Mechanism {
  public:

@@ -154,9 +154,11 @@ struct Place {
   int node = -1;
 };
 
-// Everything that one engine moves. ImpulseEngine owns it and uses it on the tick's thread only. The
-// constructor builds it from the model; after that only the members' values change. Input is checked before
-// it comes here (step_input.h), so nothing here fails.
+// Everything that one engine moves. ImpulseEngine owns it and uses it on the tick's thread. While the
+// islands' steps run side by side (stepper.h), each thread writes nothing but its island: bodies, mechanisms
+// with their axes and marks, springs and touches. The lists themselves, the islands, `acting` and what sleeps
+// do not change then. The constructor builds it from the model; after that only the members' values change.
+// Input is checked before it comes here (step_input.h), so nothing here fails.
 struct Plant {
   Plant(const world::WorldModel& world_model, std::int32_t engine_index);
 

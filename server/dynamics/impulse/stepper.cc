@@ -99,7 +99,7 @@ void Stepper::factor(double h, const world::WorldState& state) {
   for (std::size_t i = 0; i < plant_.islands.size(); ++i) steppers_[0]->factor(i);
 }
 
-// A joint, a contact and a body's share of the rest.
+// A contact takes a little more than a body with its joint.
 std::size_t Stepper::cost(std::size_t i) const {
   const Islands& islands = plant_.islands;
   return 2 * islands.bodies(i).size() + 3 * islands.touches(i).size();
@@ -108,7 +108,7 @@ std::size_t Stepper::cost(std::size_t i) const {
 void Stepper::read_fates() {
   for (const IslandFate& fate : fates_) {
     fell_short_ = fell_short_ || fate.fell_short;
-    if (fate.broken != nullptr) broken_ = fate.broken;
+    if (broken_ == nullptr) broken_ = fate.broken;  // that of the first island
   }
 }
 

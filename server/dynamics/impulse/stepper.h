@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -19,6 +18,8 @@ namespace visum::dynamics::impulse {
 class Stepper {
  public:
   explicit Stepper(Plant& plant);
+  Stepper(const Stepper&) = delete;
+  Stepper& operator=(const Stepper&) = delete;
 
   // Makes the touches that the plant lists, with what the warm start knows of them.
   void load_touches(const StepInput& input, const world::WorldState& state, const WarmStart& warm_start);
@@ -31,13 +32,14 @@ class Stepper {
   // has met its limit, from its start. The touches' impulses for kAhead say where to start. Returns false
   // where bodies had to stay where they were, at rest.
   bool step_limited(double h, std::span<const Wrench> wrenches, const world::WorldState& state);
-  // Numbers of the bodies that the last limited step should have held better; some may appear twice.
+  // Numbers of the bodies that the last limited step should have held better; some may appear twice. Their
+  // rows are looked at before what has gained energy is slowed down.
   std::span<const std::size_t> short_bodies() const { return short_bodies_; }
   // The last step used up its passes or its budget before gaps and velocities were within their bounds, or
   // took an answer that only comes near one.
   bool fell_short() const { return fell_short_; }
-  // With `solver: iterate`, a tick begins: its steps are made joint after joint.
-  // `one_thread`: the other threads of the pool take no part.
+  // A tick begins; with `solver: iterate` its steps are made joint after joint. `one_thread`: the other
+  // threads of the pool take no part in it. Comes before load_touches().
   void begin_tick(bool one_thread) {
     one_thread_ = one_thread;
     set_firm(false);
@@ -62,8 +64,9 @@ class Stepper {
     plant_.pool.run(
         plant_.islands.size(), [this](std::size_t i) { return cost(i); }, work);
   }
-  // Calls work(stepper, island, fate), which returns whether all is well, for each island: side by side if
-  // that is allowed, otherwise in order up to the first that is not. Returns whether all were.
+  // Calls work(stepper, island, fate), which returns whether all is well, for each island, side by side if
+  // that is allowed. Returns whether all were. None is left out where another one is not well, so that the
+  // work is the same with any number of threads.
   template <typename Work>
   bool for_islands(Work work);
   // How long an island's step takes, roughly, in any unit.
@@ -103,24 +106,24 @@ class Stepper {
 template <typename Work>
 bool Stepper::for_islands(Work work) {
   if (!are_side_by_side()) {
-    for (std::size_t i = 0; i < plant_.islands.size(); ++i)
-      if (!work(*steppers_[0], i, fates_[i])) return false;
-    return true;
+    bool well = true;
+    for (std::size_t i = 0; i < plant_.islands.size(); ++i) well = work(*steppers_[0], i, fates_[i]) && well;
+    return well;
   }
-  std::atomic<bool> well = true;
+  std::atomic<bool> well = true, spent = false;
   for (WorkBudget& of_thread : more_work_) of_thread.start(plant_.work.left());
   run_side_by_side([&](std::size_t thread, std::size_t i) {
     try {
       if (!work(*steppers_[thread], i, fates_[i])) well.store(false, std::memory_order_relaxed);
     } catch (const WorkSpent&) {
-      well.store(false, std::memory_order_relaxed);
+      spent.store(true, std::memory_order_relaxed);
     }
   });
   std::uint64_t taken = 0;
   for (const WorkBudget& of_thread : more_work_) taken += of_thread.taken();
-  if (!well.load(std::memory_order_relaxed) || taken > plant_.work.left()) throw NeedsOneThread{};
+  if (spent.load(std::memory_order_relaxed) || taken > plant_.work.left()) throw NeedsOneThread{};
   plant_.work.take(taken);
-  return true;
+  return well.load(std::memory_order_relaxed);
 }
 
 }  // namespace visum::dynamics::impulse

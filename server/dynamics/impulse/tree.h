@@ -33,7 +33,7 @@ struct TreeNode {
 };
 
 // Order of calls: assign() once; per step factor(); then clear(), requests, solve(), answers any number of
-// times. A Mechanism owns it; tick's thread. Nothing fails; numbers that are not finite come out as such.
+// times. A Mechanism owns it; its thread. Nothing fails; numbers that are not finite come out as such.
 class Tree {
  public:
   using VectorView = Eigen::Map<const Vector3d>;

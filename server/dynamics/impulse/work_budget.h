@@ -22,7 +22,8 @@ namespace visum::dynamics::impulse {
 struct WorkSpent {};
 
 // The work of one tick of one engine. Plant owns it; tick's thread. Each other thread of the pool has one of
-// its own, and what it took is taken here afterwards (stepper.h).
+// its own, with all that is left here, and what it took is taken here afterwards (stepper.h). So the sum is
+// compared with the limit at the end of a round.
 class alignas(64) WorkBudget {
  public:
   static constexpr std::size_t kMultiplications = 32;  // in a unit
