@@ -1,7 +1,6 @@
 #include "server/dynamics/impulse/body_factor.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -12,12 +11,6 @@ using Block = std::array<double, 36>;
 void subtract(double* b, const Block& a, const double* x) {
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < 6; ++j) b[i] -= a[6 * i + j] * x[j];
-}
-
-// So many blocks of zeros. std::vector::assign() would copy each from one.
-void clear(std::vector<Block>& blocks, std::size_t count) {
-  blocks.resize(count);
-  if (count > 0) std::memset(blocks.data(), 0, count * sizeof(Block));
 }
 
 Block mass_block(const FreeBody& body) {
@@ -48,11 +41,9 @@ bool BodyFactor::place(std::size_t most_entries) {
   diagonal_.resize(count);
   for (std::size_t k = 0; k < count; ++k) diagonal_[k] = mass_block(bodies_[elimination_.order()[k]]);
   inverse_.resize(count);
-  clear(lower_, entries);
-  if (symmetric_)
-    upper_.resize(entries);
-  else
-    clear(upper_, entries);
+  lower_.assign(entries, Block{});
+  upper_.resize(entries);
+  if (!symmetric_) std::ranges::fill(upper_, Block{});
   return true;
 }
 

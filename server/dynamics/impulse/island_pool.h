@@ -15,7 +15,7 @@ namespace visum::dynamics::impulse {
 struct NeedsOneThread {};
 
 // The tick's thread and `threads` - 1 others. Plant owns it. The tick's thread calls. Whoever waits, for the
-// next call or for the others, looks again for some 10 us, then sleeps. Work is handed over by atomics,
+// next call or for the others, looks again for some 20 us, then sleeps. Work is handed over by atomics,
 // without allocation. Each thread begins with a share of its own, in order: islands that keep their places
 // then stay in the cache of one processor. A thread that has done its share helps the others, from their
 // ends.

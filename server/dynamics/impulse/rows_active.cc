@@ -19,8 +19,8 @@ namespace {
 
 // Solutions with the same active rows.
 constexpr int kMostRefinements = 2;
-// Numbers in the factor of rows, and in each triangle of that of bodies: beyond this, sweeps alone are
-// quicker, or take less memory.
+// Numbers in the factor of rows: beyond this, sweeps alone are quicker. Numbers in each triangle of that of
+// bodies: 16 MB.
 constexpr std::size_t kMostEntries = 400'000, kMostBodyEntries = 2'000'000;
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
@@ -224,6 +224,7 @@ bool Rows::factor_rows(std::size_t kept) {
   start_pairs();
   factor_.restart(kept);
   for (const Group& group : groups_) {
+    if (group.end <= kept) continue;
     const auto first = std::ranges::find_if(groups_, [&](const Group& other) {
       return other.begin == group.begin || meet(*other.block, *group.block);
     });

@@ -142,7 +142,7 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   if (firm_) move_together();
   const bool foreseen =
       for_islands([](IslandStepper& by, std::size_t i, IslandFate& fate) { return by.foresee(i, fate); });
-  if (!foreseen || plan_.iterates) read_fates();
+  read_fates();
   if (!foreseen || (plan_.iterates && !holds_together())) return false;
   move_free();
   for_islands([this](IslandStepper& by, std::size_t i, IslandFate& fate) {
