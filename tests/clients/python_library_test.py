@@ -1,5 +1,9 @@
 """The Python package: its modules do not import each other in a circle, and a wrong name is answered with a near one."""
 import ast
+import importlib.util
+import itertools
+import os
+import socket
 import subprocess
 import sys
 import unittest
@@ -9,6 +13,7 @@ from programs import BIN, SOURCE, Daemon
 
 sys.path.insert(0, str(BIN.parent / "python"))
 import visum  # noqa: E402
+from visum.busy_wait import BusyWait  # noqa: E402
 
 PACKAGE = SOURCE / "clients" / "python" / "visum"
 
@@ -103,12 +108,106 @@ class Exchanges(unittest.TestCase):
                 flush.assert_called_once()
 
 
+class ScriptedSocket:
+    """Has its bytes at one of the looks; counts the looks."""
+
+    def __init__(self, found_at=None):
+        self.looks, self._found_at = 0, found_at
+
+    def recv(self, most_bytes, flags):
+        assert flags == socket.MSG_DONTWAIT and most_bytes == 100
+        self.looks += 1
+        if self.looks == self._found_at:
+            return b"here"
+        raise BlockingIOError
+
+
+def clock_of(step_s):
+    """Stands for the clock, and goes on by so much with each look at it."""
+    return mock.patch("time.perf_counter", side_effect=(step_s * i for i in itertools.count()))
+
+
+@unittest.skipUnless(len(os.sched_getaffinity(0)) > 1, "one processor")
+class BusyWaits(unittest.TestCase):
+    def looks_in_vain(self, wait):
+        source = ScriptedSocket()
+        self.assertIsNone(wait.receive(source, 100))
+        return source.looks
+
+    def test_it_finds_what_comes_within_a_moment(self):
+        for found_at in (1, 2):
+            with clock_of(1e-6):
+                self.assertEqual(BusyWait().receive(ScriptedSocket(found_at), 100), b"here")
+
+    def test_it_looks_ever_more_seldom_in_vain(self):
+        wait = BusyWait()
+        with clock_of(5e-6):
+            looks = [self.looks_in_vain(wait) for _ in range(10_000)]
+        self.assertTrue(50 < max(looks) < 200, max(looks))
+        looked = sum(count > 0 for count in looks)
+        self.assertTrue(1 < looked < 20, looked)
+
+    def test_a_program_that_is_pushed_out_sleeps_for_long(self):
+        wait = BusyWait()
+        with clock_of(1e-3):
+            found = sum(wait.receive(ScriptedSocket(1), 100) is not None for _ in range(2000))
+        self.assertTrue(0 < found < 10, found)
+
+    def test_it_looks_again_where_looking_helps_again(self):
+        wait = BusyWait()
+        with clock_of(5e-6):
+            self.assertGreater(self.looks_in_vain(wait), 0)
+            self.assertEqual(self.looks_in_vain(wait), 0)
+            found = [wait.receive(ScriptedSocket(1), 100) is not None for _ in range(1000)]
+        self.assertGreater(sum(found), 990)
+        self.assertTrue(all(found[10:]))
+
+    def test_it_never_looks_where_the_clock_stands_or_nobody_else_can_run(self):
+        with mock.patch.dict(os.environ, VISUM_LOCKSTEP="/somewhere"):
+            self.assertEqual(self.looks_in_vain(BusyWait()), 0)
+        with mock.patch.object(os, "sched_getaffinity", return_value={0}):
+            self.assertEqual(self.looks_in_vain(BusyWait()), 0)
+
+    def test_it_ends_where_a_clock_stands_all_the_same(self):
+        with mock.patch("time.perf_counter", return_value=1.0):
+            self.assertGreater(self.looks_in_vain(BusyWait()), 1)
+
+    def test_a_member_of_a_lockstep_looks_before_it_sleeps(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect) as client:
+            client.part("arm")
+            client.join()
+            waits = client.connection._busy_wait
+            with mock.patch.object(waits, "receive", wraps=waits.receive) as looked:
+                client.advance_ms(10)
+            looked.assert_called()
+            client.leave()
+
+
 class PythonLibrary(unittest.TestCase):
-    def test_only_tls_loads_the_library_for_it(self):
-        script = "import sys, visum; print(sorted({'ssl', 'subprocess', 'json'} & sys.modules.keys()), visum.launch.__name__)"
+    def run_python(self, script):
         done = subprocess.run([sys.executable, "-c", script], cwd=BIN.parent / "python", capture_output=True, text=True,
                               timeout=60, check=True)
-        self.assertEqual(done.stdout, "[] launch\n")
+        return done.stdout
+
+    def test_a_controller_loads_what_it_needs_only(self):
+        rare = {"ssl", "subprocess", "json", "pathlib", "visum.kinematics", "visum.launching", "visum.model_files"}
+        self.assertEqual(self.run_python(f"import sys, visum; print(sorted({rare} & sys.modules.keys()))"), "[]\n")
+
+    def test_every_name_of_the_package_is_there(self):
+        said = self.run_python("from visum import *; import visum; print(launch.__name__, Chain.__name__, model_files.__name__, "
+                               "sorted(name for name in visum.__all__ if not hasattr(visum, name)))")
+        self.assertEqual(said, "launch Chain model_files []\n")
+        with self.assertRaisesRegex(AttributeError, "module 'visum' has no attribute 'lunch'"):
+            visum.lunch
+
+    def test_byte_code_stands_beside_the_modules_and_is_taken(self):
+        folder = BIN.parent / "python" / "visum"
+        for file in folder.glob("*.py"):
+            with self.subTest(file.name):
+                self.assertTrue(os.path.exists(importlib.util.cache_from_source(str(file))))
+        done = subprocess.run([sys.executable, "-v", "-c", "import visum"], cwd=folder.parent, capture_output=True, text=True,
+                              timeout=60, check=True)
+        self.assertIn(f"# code object from '{importlib.util.cache_from_source(str(folder / 'client.py'))}'", done.stderr)
 
     def test_a_circle_of_imports_is_found(self):
         self.assertEqual(circle_in({"a": ["b"], "b": ["c", "d"], "c": [], "d": ["b"]}), ["b", "d", "b"])

@@ -23,15 +23,15 @@ from typing import TYPE_CHECKING
 
 from visum.client import Client, ServerInfo, SpawnedModel
 from visum.errors import Error, ErrorCode
-from visum.kinematics import Chain, ChainJoint, InverseSolution, Pose
-from visum.model_files import model_files
 from visum.part import Part
 from visum.ports import Inputs, Outputs, Port
 from visum.program import exit_code_of
 from visum.world import Body, Contact, Joint, World, WorldView
 
 if TYPE_CHECKING:
+    from visum.kinematics import Chain, ChainJoint, InverseSolution, Pose
     from visum.launching import LaunchedClient, launch
+    from visum.model_files import model_files
 
 __all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCode", "Inputs", "InverseSolution", "Joint",
            "LaunchedClient", "Outputs", "Part", "Port", "Pose", "ServerInfo",
@@ -39,10 +39,17 @@ __all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCo
 __version__ = "0.2.0"
 
 
-def __getattr__(name: str) -> object:
-    """Loads what starts a server where it is asked for: a controller needs none, and would wait for the import."""
-    if name not in ("LaunchedClient", "launch"):
-        raise AttributeError(f"module 'visum' has no attribute '{name}'")
-    from visum import launching
+# Loaded where they are asked for: most controllers need none of them, and would wait for the import.
+_LATER = {"Chain": "kinematics", "ChainJoint": "kinematics", "InverseSolution": "kinematics", "Pose": "kinematics",
+          "kinematics": "kinematics", "LaunchedClient": "launching", "launch": "launching", "model_files": "model_files"}
 
-    return getattr(launching, name)
+
+def __getattr__(name: str) -> object:
+    if name not in _LATER:
+        raise AttributeError(f"module 'visum' has no attribute '{name}'")
+    from importlib import import_module
+
+    module = import_module(f"visum.{_LATER[name]}")
+    # Kept under this name, which the import of a module of the same name has given to the module.
+    value = globals()[name] = getattr(module, name, module)
+    return value

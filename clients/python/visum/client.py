@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from types import TracebackType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint, unknown_name
-from visum.kinematics import Chain, chain_of
 from visum.part import ParameterValue, Part, parameter_value
 from visum.token_file import read_token_file
 from visum.world import World, WorldView
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from visum.kinematics import Chain
 
 _ROLES = {"observer": pb.ROLE_OBSERVER, "controller": pb.ROLE_CONTROLLER, "admin": pb.ROLE_ADMIN}
 _SCOPES = {"world": pb.RESET_SCOPE_WORLD, "time": pb.RESET_SCOPE_TIME, "state": pb.RESET_SCOPE_STATE,
@@ -212,6 +215,8 @@ class Client:
 
     def chain(self, body: str) -> Chain:
         """The chain of driven joints that carries a body of the world, for forward and inverse kinematics."""
+        from visum.kinematics import chain_of  # here, because few controllers need it
+
         return chain_of(self.world().description, self.read_world().sample, body)
 
     def subscribe_events(self, level: str = "info") -> list[pb.Event]:

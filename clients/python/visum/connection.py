@@ -10,6 +10,7 @@ import time
 from collections import deque
 from typing import NamedTuple
 
+from visum.busy_wait import BusyWait
 from visum.errors import Error, ErrorCode
 from visum.messages import why_no_messages
 
@@ -22,6 +23,7 @@ VERSION = 1
 MAX_FRAME_BYTES = 64 << 20
 MAX_EVENTS = 1024
 RETRY_PAUSE_S = 0.2  # after a server has closed a connection without a word
+_CHUNK_BYTES = 65536  # of one recv()
 _LENGTH = struct.Struct("<I")
 
 
@@ -121,6 +123,7 @@ class Connection:
     def __init__(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles = TlsFiles()) -> None:
         self._next_id = 1
         self._secure = any(tls)
+        self._busy_wait = BusyWait()
         self._unsent = bytearray()
         self._received = bytearray()
         self._replies: dict[int, pb.ServerMessage] = {}
@@ -248,7 +251,7 @@ class Connection:
         """Receives until at least `size` bytes are there."""
         while len(self._received) < size:
             try:
-                chunk = self._socket.recv(65536)
+                chunk = self._receive_bytes()
             except BlockingIOError:
                 raise
             except OSError as error:
@@ -256,6 +259,13 @@ class Connection:
             if not chunk:
                 raise Error(ErrorCode.CONNECTION, "the server closed the connection")
             self._received += chunk
+
+    def _receive_bytes(self) -> bytes:
+        if not self._secure and self._socket.gettimeout() is None:
+            found = self._busy_wait.receive(self._socket, _CHUNK_BYTES)
+            if found is not None:
+                return found
+        return self._socket.recv(_CHUNK_BYTES)
 
     def _trouble(self, error: OSError) -> Exception:
         """Translates an error of recv(): BlockingIOError where TLS needs more bytes, else the connection's end."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from visum.errors import Error, ErrorCode
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _RANKS = {b"observer": 1, b"controller": 2, b"admin": 3}
 
@@ -18,7 +21,8 @@ def read_token_file(file: str | Path | None, role: str) -> bytes:
     if not file:
         return b""
     try:
-        lines = Path(file).read_bytes().split(b"\n")
+        with open(file, "rb") as opened:
+            lines = opened.read().split(b"\n")
     except OSError as error:
         raise Error(ErrorCode.UNAUTHENTICATED, f"{file}: the token file cannot be read: {error.strerror}") from error
     wanted, best_rank, best = _RANKS[role.encode()], 0, b""
