@@ -34,28 +34,23 @@ class BusyWait:
         if self._skip > 0:
             self._skip -= 1
             return None
+        found, pushed_out = None, False
         now = begin = time.perf_counter()
         for _ in range(_MOST_LOOKS):
             last = now
             try:
                 found = source.recv(most_bytes, socket.MSG_DONTWAIT)
             except BlockingIOError:
-                found = None
                 os.sched_yield()
             now = time.perf_counter()
             pushed_out = now - last > _PUSHED_OUT_S
-            if pushed_out:
-                self._distrust(_PUSHED_DOUBT)
-            if found is not None:
-                if not pushed_out and self._doubt > 0:
-                    self._doubt -= 1
-                return found
-            if pushed_out:
-                return None
-            if now - begin > _LONGEST_S:
+            if found is not None or pushed_out or now - begin > _LONGEST_S:
                 break
-        self._distrust(_MISSED_DOUBT)
-        return None
+        if pushed_out or found is None:
+            self._distrust(_PUSHED_DOUBT if pushed_out else _MISSED_DOUBT)
+        elif self._doubt > 0:
+            self._doubt -= 1
+        return found
 
     def _distrust(self, more: int) -> None:
         self._doubt = min(self._doubt + more, _MOST_DOUBT)
