@@ -31,7 +31,7 @@ from visum.world import Body, Contact, Joint, World, WorldView
 if TYPE_CHECKING:
     from visum.kinematics import Chain, ChainJoint, InverseSolution, Pose
     from visum.launching import LaunchedClient, launch
-    from visum.model_files import model_files
+    from visum.model_gathering import model_files
 
 __all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCode", "Inputs", "InverseSolution", "Joint",
            "LaunchedClient", "Outputs", "Part", "Port", "Pose", "ServerInfo",
@@ -39,17 +39,17 @@ __all__ = ["Body", "Chain", "ChainJoint", "Client", "Contact", "Error", "ErrorCo
 __version__ = "0.2.0"
 
 
-# Loaded where they are asked for: most controllers need none of them, and would wait for the import.
+# Names and their modules, which are loaded where they are asked for: most controllers need none of them, and
+# would wait for the import.
 _LATER = {"Chain": "kinematics", "ChainJoint": "kinematics", "InverseSolution": "kinematics", "Pose": "kinematics",
-          "kinematics": "kinematics", "LaunchedClient": "launching", "launch": "launching", "model_files": "model_files"}
+          "LaunchedClient": "launching", "launch": "launching", "model_files": "model_gathering"}
 
 
 def __getattr__(name: str) -> object:
-    if name not in _LATER:
-        raise AttributeError(f"module 'visum' has no attribute '{name}'")
     from importlib import import_module
 
-    module = import_module(f"visum.{_LATER[name]}")
-    # Kept under this name, which the import of a module of the same name has given to the module.
-    value = globals()[name] = getattr(module, name, module)
-    return value
+    if name == "kinematics":  # the module itself, as before it was loaded late
+        return import_module("visum.kinematics")
+    if name not in _LATER:
+        raise AttributeError(f"module 'visum' has no attribute '{name}'")
+    return getattr(import_module(f"visum.{_LATER[name]}"), name)

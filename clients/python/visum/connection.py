@@ -261,6 +261,7 @@ class Connection:
             self._received += chunk
 
     def _receive_bytes(self) -> bytes:
+        """As recv(). A wait without a time limit looks busily first."""
         if not self._secure and self._socket.gettimeout() is None:
             found = self._busy_wait.receive(self._socket, _CHUNK_BYTES)
             if found is not None:
