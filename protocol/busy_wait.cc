@@ -7,7 +7,10 @@ namespace {
 
 // How much less looking seems to help after a wait. A single interruption says little, as every machine has
 // some; where threads want the processor, hardly a look comes without.
-constexpr int kMissedDoubt = 1, kPushedDoubt = 2, kMostDoubt = 12;
+constexpr int kMissedDoubt = 1, kPushedDoubt = 2;
+// A run begins while its programs start, which says nothing of the time after it. So no doubt lasts longer
+// than 2^7 waits: a look among 128 costs little.
+constexpr int kMostDoubt = 7;
 
 bool has_processors() {
   cpu_set_t allowed;

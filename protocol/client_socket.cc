@@ -32,8 +32,8 @@ constexpr const char* kClosed = "the server closed the connection";
 // The kernel repeats an unanswered attempt to connect after 1, 3, 7, 15 s. Beginning anew connects sooner
 // once a cut cable is back. Each attempt is longer than the one before, because an answer may take long.
 constexpr std::chrono::seconds kFirstAttempt{1}, kLongestAttempt{4};
-// With more time left than this, receive() sleeps in recv() itself, for so long at a time. That is one system
-// call instead of two.
+// With more time left than this, receive() sleeps in recv() itself over TCP, for so long at a time. That is
+// one system call instead of two.
 constexpr std::chrono::seconds kSlice{1};
 
 std::string place(const std::string& host, std::uint16_t port) {
@@ -145,7 +145,7 @@ bool ClientSocket::connect_locally(const std::string& host, std::uint16_t port) 
     return false;
   }
   fd_ = fd;
-  let_receive_block(fd);
+  is_local_ = true;
   return true;
 }
 
@@ -275,11 +275,19 @@ std::size_t ClientSocket::receive(std::span<std::byte> into, Deadline deadline) 
   const std::chrono::nanoseconds left =
       deadline == kNever ? std::chrono::nanoseconds::max() : deadline - steady_clock::now();
   if (busy_wait_.find([&] { return (at_once = receive(into)) > 0; }, left)) return at_once;
+  if (is_local_) return receive_locally(into, deadline);
   while (deadline == kNever || deadline - steady_clock::now() >= kSlice)
     if (const std::size_t received = receive_with(into, 0)) return received;
   do {
     if (const std::size_t received = receive(into)) return received;
   } while (wait_for(fd_, POLLIN, deadline));
+  return 0;
+}
+
+// Sleeps in poll(): in recv(), a Unix socket would also be woken when the server takes what we sent.
+std::size_t ClientSocket::receive_locally(std::span<std::byte> into, Deadline deadline) {
+  while (wait_for(fd_, POLLIN, deadline))
+    if (const std::size_t received = receive(into)) return received;
   return 0;
 }
 

@@ -60,10 +60,12 @@ class ClientSocket {
   bool send_pending();
   std::size_t receive_raw(std::span<std::byte> into, int flags);
   std::size_t receive_with(std::span<std::byte> into, int flags);
+  std::size_t receive_locally(std::span<std::byte> into, Deadline deadline);
   // Throws if TLS has failed.
   void check_tls() const;
 
   int fd_ = -1;
+  bool is_local_ = false;  // a Unix socket
   BusyWait busy_wait_;
   std::unique_ptr<TlsContext> context_;
   std::unique_ptr<TlsStream> tls_;   // null: plain text

@@ -1,5 +1,5 @@
 // Collision is a stage of its own that serves every engine: broad phase, narrow phase, and contacts in an
-// order sorted by stable ids. FCL stays inside gjk.cc and fcl_stage.cc.
+// order sorted by stable ids. FCL stays inside gjk.cc, fcl_stage.cc and fcl_templates.cc.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,20 +1,19 @@
 #include "server/collision/fcl_stage.h"
 
-#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/broadphase/broadphase_SSaP.h>
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
 #include <fcl/geometry/shape/convex.h>
 #include <fcl/geometry/shape/cylinder.h>
 #include <fcl/geometry/shape/sphere.h>
-#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/detail/gjk_solver_indep.h>
 
 #include <algorithm>
-#include <exception>
 
 namespace visum::collision {
 namespace {
 
-constexpr std::size_t kMostFound = 8;  // contacts that FCL may give for a pair; the deepest counts
+constexpr double kTolerance = 1e-6;  // the default of a fcl::CollisionRequest
 
 std::shared_ptr<fcl::CollisionGeometryd> make_hull(const Polytope& polytope) {
   auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>(polytope.vertices);
@@ -49,6 +48,28 @@ std::shared_ptr<fcl::CollisionGeometryd> make_geometry(const PreparedShape& shap
   return nullptr;
 }
 
+// Calls act() with the solid as what it is.
+template <typename Act>
+bool with_solid(const PreparedShape& shape, const fcl::CollisionGeometryd& solid, const Act& act) {
+  using enum world::ShapeKind;
+  switch (shape.kind) {
+    case kBox:
+      return act(static_cast<const fcl::Boxd&>(solid));
+    case kSphere:
+      return act(static_cast<const fcl::Sphered&>(solid));
+    case kCapsule:
+      return act(static_cast<const fcl::Capsuled&>(solid));
+    case kCylinder:
+      return act(static_cast<const fcl::Cylinderd&>(solid));
+    case kConvex:
+      return act(static_cast<const fcl::Convexd&>(solid));
+    case kMesh:
+    case kPlane:
+      break;
+  }
+  return false;
+}
+
 // FCL tests boxes with boxes, and spheres with these four kinds, by tests of their own; all others by EPA.
 bool is_found_by_epa(world::ShapeKind a, world::ShapeKind b) {
   using enum world::ShapeKind;
@@ -64,7 +85,9 @@ bool is_found_by_epa(world::ShapeKind a, world::ShapeKind b) {
 struct FclStage::Impl {
   // By shape; null for a plane. The object's user data is the shape's index.
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects;
-  fcl::DynamicAABBTreeCollisionManagerd tree;
+  fcl::SSaPCollisionManagerd manager;
+  fcl::detail::GJKSolver_indepd solver;
+  std::vector<fcl::ContactPointd> contacts;  // of one pair
   std::vector<IndexPair> pairs;
 
   static bool note(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs) {
@@ -77,6 +100,7 @@ struct FclStage::Impl {
 };
 
 FclStage::FclStage(const std::vector<PreparedShape>& shapes) : impl_(std::make_unique<Impl>()) {
+  impl_->solver.gjk_tolerance = impl_->solver.epa_tolerance = kTolerance;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     auto& object = impl_->objects.emplace_back();
     const auto geometry = make_geometry(shapes[i]);
@@ -88,12 +112,11 @@ FclStage::FclStage(const std::vector<PreparedShape>& shapes) : impl_(std::make_u
 
 FclStage::~FclStage() = default;
 
-// The tree is built anew each time, so that it does not depend on where the shapes have been.
 const std::vector<IndexPair>& FclStage::find_pairs(const std::vector<PreparedShape>& shapes,
                                                    const BroadPhase& broad) {
   std::vector<IndexPair>& pairs = impl_->pairs;
   pairs.clear();
-  impl_->tree.clear();
+  impl_->manager.clear();
   std::vector<fcl::CollisionObjectd*> present;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (impl_->objects[i] == nullptr || shapes[i].box_W.isEmpty()) continue;
@@ -102,9 +125,9 @@ const std::vector<IndexPair>& FclStage::find_pairs(const std::vector<PreparedSha
     object.computeAABB();
     present.push_back(&object);
   }
-  impl_->tree.registerObjects(present);
-  impl_->tree.setup();
-  if (!present.empty()) impl_->tree.collide(&pairs, &Impl::note);
+  impl_->manager.registerObjects(present);
+  impl_->manager.setup();
+  if (!present.empty()) impl_->manager.collide(&pairs, &Impl::note);
   for (std::uint32_t p = 0; p < shapes.size(); ++p) {
     const PreparedShape& plane = shapes[p];
     if (plane.kind != world::ShapeKind::kPlane || !plane.placed.R.allFinite() || !plane.placed.p.allFinite())
@@ -121,27 +144,31 @@ const std::vector<IndexPair>& FclStage::find_pairs(const std::vector<PreparedSha
 }
 
 FclStage::Touch FclStage::touch(const std::vector<PreparedShape>& shapes, std::size_t a, std::size_t b) {
-  fcl::CollisionRequestd request(kMostFound, true);
-  request.gjk_solver_type = fcl::GJKSolverType::GST_INDEP;
-  fcl::CollisionResultd result;
-  for (const std::size_t i : {a, b}) impl_->objects[i]->setTransform(shapes[i].placed.R, shapes[i].placed.p);
-  try {
-    fcl::collide(impl_->objects[a].get(), impl_->objects[b].get(), request, result);
-  } catch (const std::exception&) {
-    return {.gave_up = true};
-  }
+  const auto frame = [](const Placed& placed) {
+    fcl::Transform3d X = fcl::Transform3d::Identity();
+    X.linear() = placed.R;
+    X.translation() = placed.p;
+    return X;
+  };
+  const Placed &one = shapes[a].placed, &other = shapes[b].placed;
+  const auto solid = [&](std::size_t i) -> const fcl::CollisionGeometryd& {
+    return *impl_->objects[i]->collisionGeometry();
+  };
+  impl_->contacts.clear();
+  with_solid(shapes[a], solid(a), [&](const auto& solid_a) {
+    return with_solid(shapes[b], solid(b), [&](const auto& solid_b) {
+      return impl_->solver.shapeIntersect(solid_a, frame(one), solid_b, frame(other), &impl_->contacts);
+    });
+  });
   Touch touch;
-  for (std::size_t i = 0; i < result.numContacts(); ++i) {
-    const fcl::Contactd& contact = result.getContact(i);
+  for (const fcl::ContactPointd& contact : impl_->contacts) {
     const double depth = std::abs(contact.penetration_depth);
     if (touch.direction && depth <= touch.direction->depth) continue;
     if (!contact.normal.allFinite() || contact.normal.squaredNorm() < 0.5) return {.gave_up = true};
     // FCL's normal leads from its first shape to the second, ours from b to a. Where EPA has found it, FCL
     // 0.7 leaves it in the frame of its first shape, with the other sense. The overlap tells the sense.
-    const Placed &one = shapes[a].placed, &other = shapes[b].placed;
-    const bool swapped = contact.o1 != impl_->objects[a]->collisionGeometry().get();
     Eigen::Vector3d unit = contact.normal.normalized();
-    if (is_found_by_epa(shapes[a].kind, shapes[b].kind)) unit = (swapped ? other : one).R * unit;
+    if (is_found_by_epa(shapes[a].kind, shapes[b].kind)) unit = one.R * unit;
     const bool turned = overlap_along(one, other, unit) > overlap_along(one, other, -unit);
     touch.direction = Direction{false, turned ? (-unit).eval() : unit, depth};
   }

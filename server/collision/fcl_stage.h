@@ -1,6 +1,6 @@
-// The stage `collision: fcl`: FCL's broad phase (its dynamic tree of boxes) and FCL's narrow phase say which
-// convex solids touch, and in which direction they overlap. Contact points follow from that direction as in
-// the stage of our own (manifold.h). FCL stays inside fcl_stage.cc.
+// The stage `collision: fcl`: FCL's broad phase (its sweep and prune of boxes) and FCL's narrow phase say
+// which convex solids touch, and in which direction they overlap. Contact points follow from that direction
+// as in the stage of our own (manifold.h). FCL stays inside fcl_stage.cc.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace visum::collision {
 
-// CollisionStage owns it; tick's thread. FCL allocates in each call. Nothing fails: where FCL gives up on a
+// CollisionStage owns it; tick's thread. FCL allocates in each call. Nothing throws: where FCL gives up on a
 // pair, touch() says so.
 class FclStage {
  public:

@@ -1,13 +1,12 @@
 #include "server/sensing/ray_world.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <stdexcept>
 #include <vector>
 
+#include "server/sensing/embree.h"
 #include "server/sensing/solid.h"
 
 namespace visum::sensing {
@@ -142,19 +141,19 @@ bool is_visible(const world::Shape& shape) {
 
 struct RayWorld::Impl {
   explicit Impl(const world::WorldModel& the_model) : model(the_model) {
-    device = rtcNewDevice(kDevice);
+    device = rtc.NewDevice(kDevice);
     if (device == nullptr) throw std::runtime_error("the ray tracer (Embree) does not start");
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+    scene = rtc.NewScene(device);
+    rtc.SetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+    rtc.SetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     add_meshes();
     add_items();
-    rtcCommitScene(scene);  // now, since place() commits only where something moves
+    rtc.CommitScene(scene);  // now, since place() commits only where something moves
   }
   ~Impl() {
-    rtcReleaseScene(scene);
-    for (RTCScene mesh : meshes) rtcReleaseScene(mesh);
-    rtcReleaseDevice(device);
+    rtc.ReleaseScene(scene);
+    for (RTCScene mesh : meshes) rtc.ReleaseScene(mesh);
+    rtc.ReleaseDevice(device);
   }
 
   void add_meshes();
@@ -165,6 +164,7 @@ struct RayWorld::Impl {
   Query query_for(const Ray& ray) const;
 
   const world::WorldModel& model;
+  const Embree& rtc = embree();
   RTCDevice device;
   RTCScene scene;
   std::vector<RTCScene> meshes;                 // by MeshId
@@ -174,23 +174,23 @@ struct RayWorld::Impl {
 
 void RayWorld::Impl::add_meshes() {
   for (const world::TriangleMesh& mesh : model.meshes) {
-    const RTCScene part = rtcNewScene(device);
-    rtcSetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
+    const RTCScene part = rtc.NewScene(device);
+    rtc.SetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
+    const RTCGeometry geometry = rtc.NewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* points = static_cast<float*>(rtc.SetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
     for (const Vector3d& vertex : mesh.vertices)
       for (int axis = 0; axis < 3; ++axis) *points++ = static_cast<float>(vertex[axis]);
-    auto* corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+    auto* corners = static_cast<unsigned*>(rtc.SetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
     for (const auto& triangle : mesh.triangles)
       for (const std::uint32_t corner : triangle) *corners++ = corner;
-    rtcSetGeometryIntersectFilterFunction(geometry, filter_mesh);
-    rtcSetGeometryOccludedFilterFunction(geometry, filter_mesh);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(part, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(part);
+    rtc.SetGeometryIntersectFilterFunction(geometry, filter_mesh);
+    rtc.SetGeometryOccludedFilterFunction(geometry, filter_mesh);
+    rtc.CommitGeometry(geometry);
+    rtc.AttachGeometry(part, geometry);
+    rtc.ReleaseGeometry(geometry);
+    rtc.CommitScene(part);
     meshes.push_back(part);
   }
 }
@@ -215,18 +215,18 @@ Solid RayWorld::Impl::solid_of(const world::Shape& shape) const {
 void RayWorld::Impl::add_geometry(Item& item) {
   if (item.shape->kind == world::ShapeKind::kMesh) {
     item.mesh = &model.meshes[item.shape->mesh.index()];
-    item.geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(item.geometry, meshes[item.shape->mesh.index()]);
+    item.geometry = rtc.NewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtc.SetGeometryInstancedScene(item.geometry, meshes[item.shape->mesh.index()]);
   } else {
-    item.geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(item.geometry, 1);
-    rtcSetGeometryUserData(item.geometry, &item);
-    rtcSetGeometryBoundsFunction(item.geometry, bounds_of_solid, nullptr);
-    rtcSetGeometryIntersectFunction(item.geometry, intersect_solid);
-    rtcSetGeometryOccludedFunction(item.geometry, occlude_solid);
+    item.geometry = rtc.NewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtc.SetGeometryUserPrimitiveCount(item.geometry, 1);
+    rtc.SetGeometryUserData(item.geometry, &item);
+    rtc.SetGeometryBoundsFunction(item.geometry, bounds_of_solid, nullptr);
+    rtc.SetGeometryIntersectFunction(item.geometry, intersect_solid);
+    rtc.SetGeometryOccludedFunction(item.geometry, occlude_solid);
   }
-  rtcAttachGeometryByID(scene, item.geometry, static_cast<unsigned>(items.size() - 1));
-  rtcReleaseGeometry(item.geometry);  // the scene keeps it
+  rtc.AttachGeometryByID(scene, item.geometry, static_cast<unsigned>(items.size() - 1));
+  rtc.ReleaseGeometry(item.geometry);  // the scene keeps it
 }
 
 void RayWorld::Impl::move(Item& item, const world::Pose& X_WS) {
@@ -236,9 +236,9 @@ void RayWorld::Impl::move(Item& item, const world::Pose& X_WS) {
   if (item.mesh != nullptr) {
     Eigen::Matrix<float, 3, 4> X;
     X << X_WS.q.toRotationMatrix().cast<float>(), X_WS.p.cast<float>();
-    rtcSetGeometryTransform(item.geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, X.data());
+    rtc.SetGeometryTransform(item.geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, X.data());
   }
-  rtcCommitGeometry(item.geometry);
+  rtc.CommitGeometry(item.geometry);
 }
 
 Query RayWorld::Impl::query_for(const Ray& ray) const {
@@ -260,7 +260,7 @@ void RayWorld::place(const world::WorldState& state) {
     impl_->move(item, X_WS);
     moved = true;
   }
-  if (moved) rtcCommitScene(impl_->scene);
+  if (moved) impl_->rtc.CommitScene(impl_->scene);
 }
 
 Hit RayWorld::cast(const Ray& ray) const {
@@ -269,7 +269,7 @@ Hit RayWorld::cast(const Ray& ray) const {
   RTCRayHit found{};
   found.ray = embree_ray(ray, query.nearest);
   found.hit.geomID = found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &query.embree, &found);
+  impl_->rtc.Intersect1(impl_->scene, &query.embree, &found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID || found.hit.instID[0] == RTC_INVALID_GEOMETRY_ID)
     return query.hit;
   return meet_triangle(impl_->items[found.hit.instID[0]], found.hit.primID, ray,
@@ -281,7 +281,7 @@ bool RayWorld::blocked(const Ray& ray) const {
   meet_planes(query);
   if (query.hit.shape.valid()) return true;
   RTCRay probe = embree_ray(ray, ray.length_m);
-  rtcOccluded1(impl_->scene, &query.embree, &probe);
+  impl_->rtc.Occluded1(impl_->scene, &query.embree, &probe);
   return probe.tfar < 0.0f;
 }
 

@@ -3,8 +3,8 @@
 //
 // Embree finds the surface that a ray meets first. Where exactly the ray meets it is then computed in double
 // precision from that surface, so that the answer does not depend on the processor. Embree stays inside
-// ray_world.cc. It uses one thread and its slowest instruction set (SSE2), which is the same on every
-// machine.
+// ray_world.cc and embree.cc, which loads it. It uses one thread and its slowest instruction set (SSE2),
+// which is the same on every machine.
 //
 // place(), cast() and blocked() must be called by one thread at a time. Nothing of ours allocates there;
 // Embree does inside.
@@ -33,7 +33,7 @@ struct Hit {
 
 class RayWorld {
  public:
-  // Keeps the reference. Throws std::runtime_error where Embree does not start.
+  // Keeps the reference. Throws std::runtime_error where Embree is not there or does not start.
   explicit RayWorld(const world::WorldModel& model);
   ~RayWorld();
   RayWorld(const RayWorld&) = delete;

@@ -145,13 +145,13 @@ class BusyWaits(unittest.TestCase):
             looks = [self.looks_in_vain(wait) for _ in range(10_000)]
         self.assertTrue(50 < max(looks) < 200, max(looks))
         looked = sum(count > 0 for count in looks)
-        self.assertTrue(1 < looked < 20, looked)
+        self.assertTrue(50 < looked < 100, looked)  # it does not give up for good
 
     def test_a_program_that_is_pushed_out_sleeps_for_long(self):
         wait = BusyWait()
         with clock_of(1e-3):
             found = sum(wait.receive(ScriptedSocket(1), 100) is not None for _ in range(2000))
-        self.assertTrue(0 < found < 10, found)
+        self.assertTrue(0 < found < 25, found)
 
     def test_it_looks_again_where_looking_helps_again(self):
         wait = BusyWait()

@@ -43,8 +43,8 @@ TEST(BusyWait, LooksEverMoreSeldomInVain) {
   BusyWait wait;
   int waits_with_a_look = 0;
   for (int i = 0; i < 10'000; ++i) waits_with_a_look += looks_in_vain(wait) > 0;
-  EXPECT_GT(waits_with_a_look, 1);
-  EXPECT_LT(waits_with_a_look, 20);
+  EXPECT_GT(waits_with_a_look, 50);  // it does not give up for good
+  EXPECT_LT(waits_with_a_look, 100);
 }
 
 TEST(BusyWait, AThreadThatIsAlwaysPushedOutSleepsForLong) {
@@ -56,7 +56,7 @@ TEST(BusyWait, AThreadThatIsAlwaysPushedOutSleepsForLong) {
   };
   int looks = 0;
   for (int i = 0; i < 2000; ++i) looks += wait.find(others_run, milliseconds(100));
-  EXPECT_LT(looks, 10);
+  EXPECT_LT(looks, 25);
 }
 
 TEST(BusyWait, AnInterruptionNowAndThenIsForgotten) {

@@ -1,8 +1,10 @@
 """Sensors as a user meets them: the example scene in a real daemon, read by the command line."""
 import json
 import math
+import os
 import pathlib
 import struct
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -65,6 +67,30 @@ class Sensors(unittest.TestCase):
             self.daemon.visum("step", 500)
             self.daemon.visum("camera", "camera", "-o", file)
             self.assertEqual(file.read_bytes(), first)
+
+
+class RayTracer(unittest.TestCase):
+    def loaded_by(self, daemon):
+        files = {line.split()[-1] for line in pathlib.Path(f"/proc/{daemon.process.pid}/maps").read_text().splitlines()}
+        return {pathlib.Path(file).name.split(".so")[0] for file in files if ".so" in file}
+
+    def test_it_is_loaded_where_a_sensor_casts_rays_and_only_there(self):
+        with Daemon("--http", "off") as daemon:
+            loaded = self.loaded_by(daemon)
+            self.assertIn("libode", loaded)
+            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap"} & loaded, loaded)
+        with Daemon("--http", "off", scene=SCENE) as daemon:
+            self.assertIn("libembree3", self.loaded_by(daemon))
+
+    def test_a_server_without_it_says_so_where_it_is_needed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "libembree3.so.3").write_text("no library")
+            environment = os.environ | {"LD_LIBRARY_PATH": folder}
+            done = subprocess.run([BIN / "visumd", SCENE, "--port", "0", "--http", "off"], env=environment,
+                                  capture_output=True, text=True, timeout=60)
+            self.assertRegex(done.stderr, r"the ray tracer \(Embree\) cannot be loaded: .*libembree3\.so\.3: file too short")
+            self.assertEqual(done.returncode, 2)
+            subprocess.run([BIN / "visumd", "--version"], env=environment, check=True, timeout=60, capture_output=True)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import select
 import socket
 import struct
 import time
@@ -79,6 +80,13 @@ def _dial_locally(address: str) -> socket.socket | None:
     return connection
 
 
+def _arrival_of(local: socket.socket) -> select.poll:
+    """For waits on a Unix socket: recv() would also be woken when the server takes what we sent."""
+    arrival = select.poll()
+    arrival.register(local, select.POLLIN)
+    return arrival
+
+
 def _set_options(connection: socket.socket) -> None:
     """Makes frames leave at once, and finds a server that vanished silently after about 4 s: by probes while we send nothing,
     else by the time without an acknowledgement."""
@@ -147,6 +155,7 @@ class Connection:
     def _say_hello(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles) -> pb.Welcome:
         local = None if self._secure else _dial_locally(address)
         self._socket = local or _connect(address, patience_s)
+        self._arrival = _arrival_of(local) if local else None
         try:
             if not local:
                 _set_options(self._socket)
@@ -266,6 +275,8 @@ class Connection:
             found = self._busy_wait.receive(self._socket, _CHUNK_BYTES)
             if found is not None:
                 return found
+            if self._arrival:
+                self._arrival.poll()
         return self._socket.recv(_CHUNK_BYTES)
 
     def _trouble(self, error: OSError) -> Exception:
