@@ -9,8 +9,8 @@ namespace {
 // some; where threads want the processor, hardly a look comes without.
 constexpr int kMissedDoubt = 1, kPushedDoubt = 2;
 // A run begins while its programs start, which says nothing of the time after it. So no doubt lasts longer
-// than 2^7 waits: a look among 128 costs little.
-constexpr int kMostDoubt = 7;
+// than 2^4 waits. Looking costs little even where others want the processor: they get it at the first look.
+constexpr int kMostDoubt = 4;
 
 bool has_processors() {
   cpu_set_t allowed;
@@ -33,16 +33,16 @@ bool BusyWait::may_look() {
   return false;
 }
 
-bool BusyWait::found(Clock::duration since_last) {
-  if (since_last > kPushedOut)
+bool BusyWait::found(bool pushed_out) {
+  if (pushed_out)
     doubt(kPushedDoubt);
   else if (doubt_ > 0)
     --doubt_;
   return true;
 }
 
-bool BusyWait::missed(Clock::duration since_last) {
-  doubt(since_last > kPushedOut ? kPushedDoubt : kMissedDoubt);
+bool BusyWait::missed(bool pushed_out) {
+  doubt(pushed_out ? kPushedDoubt : kMissedDoubt);
   return false;
 }
 

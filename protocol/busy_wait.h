@@ -18,28 +18,30 @@ namespace visum::protocol {
 class BusyWait {
  public:
   BusyWait();
-  // Calls look() until it returns true, for at most `at_most` and a tenth of a millisecond. False: sleep now.
-  template <typename Look>
-  bool find(Look&& look, std::chrono::nanoseconds at_most) {
+  // Calls look() until it returns true, for at most `at_most` and 0.4 ms, and yield() in between. False:
+  // sleep now.
+  template <typename Look, typename Yield = int (*)()>
+  bool find(Look&& look, std::chrono::nanoseconds at_most, Yield&& yield = ::sched_yield) {
     if (!may_look()) return false;
-    const auto begin = Clock::now(), end = begin + std::min<std::chrono::nanoseconds>(at_most, kLongest);
-    for (auto last = begin;;) {
-      if (look()) return found(Clock::now() - last);
-      ::sched_yield();
+    const auto end = Clock::now() + std::min<std::chrono::nanoseconds>(at_most, kLongest);
+    for (;;) {
+      if (look()) return found(false);
+      const auto before = Clock::now();
+      yield();
       const auto now = Clock::now();
-      if (now >= end || now - last > kPushedOut) return missed(now - last);
-      last = now;
+      if (now - before > kPushedOut) return look() ? found(true) : missed(true);
+      if (now >= end) return missed(false);
     }
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::microseconds kLongest{100};
-  static constexpr std::chrono::microseconds kPushedOut{25};  // between two looks: another thread ran here
+  static constexpr std::chrono::microseconds kLongest{400};    // ten ticks of an arm that carries a box
+  static constexpr std::chrono::microseconds kPushedOut{100};  // to yield: another thread ran here
 
   bool may_look();
-  bool found(Clock::duration since_last);
-  bool missed(Clock::duration since_last);
+  bool found(bool pushed_out);
+  bool missed(bool pushed_out);
   void doubt(int more);
 
   bool helps_ = true;

@@ -1,6 +1,6 @@
-// The client's connected socket: TCP, in plain text or over TLS, or a Unix socket. The socket itself does not
-// block; the calls here block up to a deadline. Owned by a Connection (client.cc), used on its thread. Throws
-// ConnectionError if the connection is lost, and RequestError if TLS fails.
+// The client's connected socket: TCP, in plain text or over TLS, or a Unix socket. The calls here block up to
+// a deadline. Owned by a Connection (client.cc), used on its thread. Throws ConnectionError if the connection
+// is lost, and RequestError if TLS fails.
 #pragma once
 
 #include <chrono>

@@ -13,7 +13,7 @@
 namespace visum::collision {
 namespace {
 
-constexpr double kTolerance = 1e-6;  // the default of a fcl::CollisionRequest
+constexpr double kTolerance = 1e-6;  // as fcl::collide() sets both, by the default of its request
 
 std::shared_ptr<fcl::CollisionGeometryd> make_hull(const Polytope& polytope) {
   auto vertices = std::make_shared<std::vector<Eigen::Vector3d>>(polytope.vertices);
@@ -48,9 +48,9 @@ std::shared_ptr<fcl::CollisionGeometryd> make_geometry(const PreparedShape& shap
   return nullptr;
 }
 
-// Calls act() with the solid as what it is.
+// Calls act() with the solid as what it is. Planes and meshes are none; touch() is not asked for them.
 template <typename Act>
-bool with_solid(const PreparedShape& shape, const fcl::CollisionGeometryd& solid, const Act& act) {
+void with_solid(const PreparedShape& shape, const fcl::CollisionGeometryd& solid, const Act& act) {
   using enum world::ShapeKind;
   switch (shape.kind) {
     case kBox:
@@ -67,7 +67,6 @@ bool with_solid(const PreparedShape& shape, const fcl::CollisionGeometryd& solid
     case kPlane:
       break;
   }
-  return false;
 }
 
 // FCL tests boxes with boxes, and spheres with these four kinds, by tests of their own; all others by EPA.
@@ -156,8 +155,8 @@ FclStage::Touch FclStage::touch(const std::vector<PreparedShape>& shapes, std::s
   };
   impl_->contacts.clear();
   with_solid(shapes[a], solid(a), [&](const auto& solid_a) {
-    return with_solid(shapes[b], solid(b), [&](const auto& solid_b) {
-      return impl_->solver.shapeIntersect(solid_a, frame(one), solid_b, frame(other), &impl_->contacts);
+    with_solid(shapes[b], solid(b), [&](const auto& solid_b) {
+      impl_->solver.shapeIntersect(solid_a, frame(one), solid_b, frame(other), &impl_->contacts);
     });
   });
   Touch touch;

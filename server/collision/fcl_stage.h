@@ -1,6 +1,6 @@
 // The stage `collision: fcl`: FCL's broad phase (its sweep and prune of boxes) and FCL's narrow phase say
 // which convex solids touch, and in which direction they overlap. Contact points follow from that direction
-// as in the stage of our own (manifold.h). FCL stays inside fcl_stage.cc.
+// as in the stage of our own (manifold.h).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // FCL's templates, compiled here for `double`: those that gjk.cc and fcl_stage.cc use. So no program links
-// FCL's shared library. It has 29,000 symbols to bind, which took a third of the time in which visumd starts.
+// FCL's shared library, which has 29,000 symbols to bind at each start.
 #include <fcl/broadphase/broadphase_SSaP.h>
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>

@@ -1,4 +1,4 @@
-// FCL's GJK and EPA on our shapes. Only gjk.cc sees FCL. Memory is allocated at construction only.
+// FCL's GJK and EPA on our shapes. Memory is allocated at construction only.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
-// Embree's functions, from its shared library. It is loaded where the first world wants rays, since it takes
-// a sixth of the time in which visumd starts, and most scenes have no sensor that casts rays. Only
-// ray_world.cc and embree.cc include this.
+// Embree's functions, from its shared library. It is loaded for the first world with a camera, or a sensor
+// that measures by rays: it is large, and most scenes have neither. Only ray_world.cc and embree.cc include
+// this.
 #pragma once
 
 #include <embree3/rtcore.h>

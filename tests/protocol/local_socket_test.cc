@@ -2,13 +2,17 @@
 #include "protocol/local_socket.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 #include <string>
 #include <thread>
 
 #include "protocol/client.h"
+#include "protocol/client_socket.h"
 #include "tests/protocol/fixture.h"
 
 namespace visum::protocol {
@@ -138,6 +142,49 @@ TEST_F(LocalSocket, AServerThatHasEndedLeavesNothing) {
   end();
   serve();
   EXPECT_EQ(seen(), "a Unix socket");
+}
+
+// A server of bytes on the socket beside `port`. It takes what comes late, and answers later still.
+void answer_slowly(int listening, int exchanges) {
+  constexpr std::chrono::milliseconds kPause{10};
+  const int fd = ::accept(listening, nullptr, nullptr);
+  std::array<std::byte, 64> bytes{};
+  for (int i = 0; i < exchanges; ++i) {
+    std::this_thread::sleep_for(kPause);
+    EXPECT_GT(::recv(fd, bytes.data(), bytes.size(), 0), 0);
+    std::this_thread::sleep_for(kPause);
+    EXPECT_GT(::send(fd, bytes.data(), bytes.size(), 0), 0);
+  }
+  ::close(fd);
+}
+
+long sleeps_of_this_thread() {
+  rusage use{};
+  ::getrusage(RUSAGE_THREAD, &use);
+  return use.ru_nvcsw;
+}
+
+TEST(LocalWait, EndsWithTheAnswerAndIsNotDisturbedBefore) {
+  constexpr std::uint16_t kPort = 1;  // only a part of the name
+  constexpr int kExchanges = 20;
+  ::setenv(kLocalVariable, ("waits" + std::to_string(::getpid())).c_str(), 1);
+  const int listening = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const LocalAddress name = local_address(local_socket_name(kPort));
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&name.address), name.size), 0);
+  ASSERT_EQ(::listen(listening, 1), 0);
+  std::thread server(answer_slowly, listening, kExchanges);
+  ClientSocket client("127.0.0.1", kPort, {}, kNever);
+  std::array<std::byte, 64> bytes{};
+  const long before = sleeps_of_this_thread();
+  for (int i = 0; i < kExchanges; ++i) {
+    EXPECT_EQ(client.send(bytes), bytes.size());
+    EXPECT_EQ(client.receive(bytes, kNever), bytes.size());
+  }
+  EXPECT_LT(sleeps_of_this_thread() - before, kExchanges + 8);  // 40 where taking a message wakes its sender
+  server.join();
+  EXPECT_THROW(client.receive(bytes, kNever), ConnectionError);
+  ::close(listening);
+  ::unsetenv(kLocalVariable);
 }
 
 TEST(LocalWord, IsKeptOrMadeAtRandom) {

@@ -7,10 +7,10 @@
 // do not nest.
 //
 // The call stack decides who allocated. It is read from the inside out; the C and C++ run-time libraries and
-// templates of std:: and Eigen:: are skipped, and the first frame that is left counts. A frame in FCL,
-// libccd, octomap or ODE makes the allocation foreign. Any other frame, or a stack that cannot be read, makes
-// it ours. So a callback of ours that allocates while FCL calls it is ours, and a std::vector that grows
-// inside FCL is foreign.
+// templates of std:: and Eigen:: are skipped, and the first frame that is left counts. A frame in ODE,
+// libccd, Embree or TBB makes the allocation foreign, and so does a function of FCL, by its name. Any other
+// frame, or a stack that cannot be read, makes it ours. So a callback of ours that allocates while FCL calls
+// it is ours, and a std::vector that grows inside FCL is foreign.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ namespace visum::test_support {
 struct AllocationCounts {
   std::uint64_t ours = 0;
   std::uint64_t ours_bytes = 0;
-  std::uint64_t foreign = 0;  // by FCL, libccd, octomap, ODE
+  std::uint64_t foreign = 0;  // by ODE, libccd, Embree, TBB, FCL
   std::uint64_t foreign_bytes = 0;
 };
 

@@ -15,7 +15,7 @@ import time
 _LONGEST_S = 400e-6  # ten ticks of an arm that carries something
 _MOST_LOOKS = 1000  # where the clock stands
 _PUSHED_OUT_S = 100e-6  # between two looks: another program ran on this processor
-_MISSED_DOUBT, _PUSHED_DOUBT, _MOST_DOUBT = 1, 2, 7
+_MISSED_DOUBT, _PUSHED_DOUBT, _MOST_DOUBT = 1, 2, 4
 
 
 class BusyWait:

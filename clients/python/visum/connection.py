@@ -80,11 +80,11 @@ def _dial_locally(address: str) -> socket.socket | None:
     return connection
 
 
-def _arrival_of(local: socket.socket) -> select.poll:
-    """For waits on a Unix socket: recv() would also be woken when the server takes what we sent."""
-    arrival = select.poll()
+def _await_bytes(local: socket.socket) -> None:
+    """Waits on a Unix socket, where recv() would also be woken when the server takes what we sent."""
+    arrival = select.poll()  # a new one each time: a signal's handler may wait, too
     arrival.register(local, select.POLLIN)
-    return arrival
+    arrival.poll()
 
 
 def _set_options(connection: socket.socket) -> None:
@@ -155,7 +155,7 @@ class Connection:
     def _say_hello(self, address: str, hello: pb.Hello, patience_s: float, tls: TlsFiles) -> pb.Welcome:
         local = None if self._secure else _dial_locally(address)
         self._socket = local or _connect(address, patience_s)
-        self._arrival = _arrival_of(local) if local else None
+        self._is_local = local is not None
         try:
             if not local:
                 _set_options(self._socket)
@@ -275,8 +275,8 @@ class Connection:
             found = self._busy_wait.receive(self._socket, _CHUNK_BYTES)
             if found is not None:
                 return found
-            if self._arrival:
-                self._arrival.poll()
+            if self._is_local and not self.closed:
+                _await_bytes(self._socket)
         return self._socket.recv(_CHUNK_BYTES)
 
     def _trouble(self, error: OSError) -> Exception:
