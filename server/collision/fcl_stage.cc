@@ -111,6 +111,7 @@ FclStage::FclStage(const std::vector<PreparedShape>& shapes) : impl_(std::make_u
 
 FclStage::~FclStage() = default;
 
+// All are registered anew each time, so that the result does not depend on where the shapes have been.
 const std::vector<IndexPair>& FclStage::find_pairs(const std::vector<PreparedShape>& shapes,
                                                    const BroadPhase& broad) {
   std::vector<IndexPair>& pairs = impl_->pairs;

@@ -148,7 +148,7 @@ class BusyWaits(unittest.TestCase):
         looked = sum(count > 0 for count in looks)
         self.assertTrue(500 < looked < 700, looked)  # it does not give up for good
 
-    def test_a_program_that_is_pushed_out_sleeps_for_long(self):
+    def test_a_program_that_is_pushed_out_looks_seldom(self):
         wait = BusyWait()
         with clock_of(1e-3):
             found = sum(wait.receive(ScriptedSocket(1), 100) is not None for _ in range(2000))

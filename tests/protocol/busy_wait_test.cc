@@ -54,7 +54,7 @@ TEST(BusyWait, LooksEverMoreSeldomInVain) {
   EXPECT_LT(waits_with_a_look, 700);
 }
 
-TEST(BusyWait, AThreadThatIsAlwaysPushedOutSleepsForLong) {
+TEST(BusyWait, AThreadThatIsAlwaysPushedOutLooksSeldom) {
   if (!has_processors()) GTEST_SKIP() << "one processor";
   BusyWait wait;
   int finds = 0;

@@ -78,7 +78,7 @@ class RayTracer(unittest.TestCase):
         with Daemon("--http", "off") as daemon:
             loaded = self.loaded_by(daemon)
             self.assertIn("libode", loaded)
-            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap"} & loaded, loaded)
+            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap", "libprotobuf"} & loaded, loaded)
         with Daemon("--http", "off", scene=SCENE) as daemon:
             self.assertIn("libembree3", self.loaded_by(daemon))
 
