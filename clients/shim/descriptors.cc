@@ -29,6 +29,9 @@ constexpr int kFullBytes = 8192, kFullPauses = 100;
 
 std::atomic<int> descriptor_of_stream[kMostStreams];  // in this process; + 1
 
+__thread int readable = -1;
+__thread std::uint32_t readable_in_turn = 0;
+
 using AskAddress = int (*)(int, sockaddr*, socklen_t*);
 
 std::uint32_t port_of(int fd, AskAddress ask) {
@@ -132,6 +135,15 @@ Descriptor descriptor(int fd) {
   return found;
 }
 
+void note_readable(int fd) {
+  readable = fd;
+  readable_in_turn = mine().go;
+}
+
+bool take_readable(int fd) {
+  return std::exchange(readable, -1) == fd && fd >= 0 && readable_in_turn == mine().go;
+}
+
 int available_bytes(int fd) {
   int count = 0;
   return VISUM_REAL(syscall)(SYS_ioctl, fd, FIONREAD, &count) == 0 ? count : -1;
@@ -159,6 +171,10 @@ void catch_up(std::uint64_t streams) {
     if (fd >= 0 && descriptor(fd).stream == &stream) await_said(fd, stream);
   }
   errno = error;
+}
+
+bool is_settled() {
+  return shared()->port_count == 0 && shared()->dirty == 0;
 }
 
 void note_connected(int fd) {

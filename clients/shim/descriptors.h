@@ -25,8 +25,16 @@ Descriptor descriptor(int fd);
 // kernel holds bytes back, and waiting for them would cost 40 ms each time.
 void catch_up(std::uint64_t streams);
 
+// True if no program has written to a bus since its last catch_up(), and no bus is a TCP connection.
+bool is_settled();
+
 // The kernel's worker carries over what the server has written to a pseudo terminal; poll() waits for it.
 void bring_in(int fd);
+
+// This thread has found something to read at `fd`. True from take_readable() until it looks or waits again,
+// or reads: then a read of one byte does not wait.
+void note_readable(int fd);
+bool take_readable(int fd);
 
 // How many bytes can be read; -1: the kernel does not say.
 int available_bytes(int fd);

@@ -20,6 +20,15 @@ struct FdWait {
   std::uint64_t streams = 0;  // to buses, as bits
 };
 
+// A look at descriptors that need not be told apart: no bytes are between the program and a bus, so that what
+// the kernel has is all that can be there. 0: nothing, or not known by such a look.
+template <typename Look>
+int look_at_settled(Look look) {
+  if (!is_settled()) return 0;
+  fire_timers();
+  return look();
+}
+
 // The world stands until the server has answered, or the time-out is over by the wall clock.
 template <typename Block>
 int await_answer(const FdWait& wait, Block block) {

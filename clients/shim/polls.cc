@@ -40,12 +40,16 @@ void add(int fd, FdWait& wait) {
 }
 
 int poll_until(const char* doing, pollfd* set, nfds_t count, std::int64_t deadline, const sigset_t* signals) {
+  const auto look = [&] { return VISUM_REAL(ppoll)(set, count, &kAtOnce, signals); };
+  if (const int found = look_at_settled(look); found != 0) {
+    if (count == 1 && found == 1 && set->revents == POLLIN) note_readable(set->fd);
+    return found;
+  }
   FdWait wait{doing, deadline};
   for (const auto& one : std::span(set, count)) add(one.fd, wait);
   const bool at_once = deadline <= now_ns();
   const int found = wait_for(
-      wait, [&] { return VISUM_REAL(ppoll)(set, count, &kAtOnce, signals); },
-      [&](const timespec* length) { return VISUM_REAL(ppoll)(set, count, length, signals); });
+      wait, look, [&](const timespec* length) { return VISUM_REAL(ppoll)(set, count, length, signals); });
   return noted(wait, found, at_once);
 }
 
@@ -76,12 +80,13 @@ int select_once(const Sets& sets, const timespec* length, const sigset_t* signal
 }
 
 int select_until(const char* doing, const Sets& sets, std::int64_t deadline, const sigset_t* signals) {
+  const auto look = [&] { return select_once(sets, &kAtOnce, signals); };
+  if (const int found = look_at_settled(look); found != 0) return found;
   const bool at_once = deadline <= now_ns();
   FdWait wait{doing, deadline};
   add_all(sets, wait);
-  const int found = wait_for(
-      wait, [&] { return select_once(sets, &kAtOnce, signals); },
-      [&](const timespec* length) { return select_once(sets, length, signals); });
+  const int found =
+      wait_for(wait, look, [&](const timespec* length) { return select_once(sets, length, signals); });
   for (auto* set : {sets.read, sets.write, sets.error})
     if (found == 0 && set) FD_ZERO(set);
   return noted(wait, found, at_once);
@@ -89,12 +94,13 @@ int select_until(const char* doing, const Sets& sets, std::int64_t deadline, con
 
 int epoll_until(const char* doing, int epoll, epoll_event* events, int most, std::int64_t deadline,
                 const sigset_t* signals) {
+  const auto look = [&] { return VISUM_REAL(epoll_pwait)(epoll, events, most, 0, signals); };
+  if (const int found = look_at_settled(look); found != 0) return found;
   const bool at_once = deadline <= now_ns();
   const auto buses = watched_buses(epoll);
   const FdWait wait{doing, deadline, buses.any, false, buses.streams};
   const int found = wait_for(
-      wait, [&] { return VISUM_REAL(epoll_pwait)(epoll, events, most, 0, signals); },
-      [&](const timespec*) { return VISUM_REAL(epoll_pwait)(epoll, events, most, -1, signals); });
+      wait, look, [&](const timespec*) { return VISUM_REAL(epoll_pwait)(epoll, events, most, -1, signals); });
   return noted(wait, found, at_once);
 }
 

@@ -296,6 +296,10 @@ void note_progress() {
   looks = 0;
 }
 
+bool has_looked_little() {
+  return looks < kMostLooksOfSpinner / 2;
+}
+
 Slot* keep_slot(std::int32_t pid, std::int32_t parent) {
   auto* slot = claim_slot(State::kFree, State::kStarting, 0, 0);
   if (slot) fill(*slot, pid, 0, parent);

@@ -81,11 +81,20 @@ std::vector<pollfd> BusThread::watched() const {
 }
 
 void BusThread::wait() {
+  if (rest_while_followed()) return;
   std::unique_lock turn(turn_);
   const bool one_rests = std::ranges::any_of(wirings_, rests);
   auto set = watched();
   turn.unlock();
   ::poll(set.data(), set.size(), one_rests ? static_cast<int>(kRest.count()) : -1);
+}
+
+bool BusThread::rest_while_followed() {
+  const auto left = followed_until_.load() - std::chrono::steady_clock::now();
+  if (left <= left.zero()) return false;
+  pollfd woken{wake_fd_, POLLIN, 0};
+  ::poll(&woken, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
+  return true;
 }
 
 std::vector<pollfd> BusThread::look() const {
@@ -121,6 +130,7 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
 bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
   const std::lock_guard turn(turn_);
   const auto begin = std::chrono::steady_clock::now();
+  followed_until_ = begin + kFollowed;
   const auto within = [begin](auto time) { return std::chrono::steady_clock::now() < begin + time; };
   const auto lines = lines_.size();
   const auto newest = next_number_;
@@ -134,6 +144,7 @@ bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono
     if (!may_connect) missing |= give_up_missing(streams);
     all = std::ranges::all_of(streams, come);
   } while (!all && within(patience));
+  queued_ = false;  // the caller asks for them now
   if (lines != lines_.size() || newest != next_number_) wake();
   leave_rests();
   return all && !missing;
