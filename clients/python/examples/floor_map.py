@@ -82,7 +82,7 @@ def disc(radius: float) -> list[tuple[int, int]]:
 def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
     """For each cell the sum of all cells within the radius; of booleans, whether one of them is true."""
     widths = half_widths(radius)
-    everywhere = np.zeros_like(cells)
+    everywhere = np.zeros(cells.shape, dtype=cells.dtype)
     # Beyond the part where cells are not 0, and the radius, the sums are 0.
     where = [np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0)]
     if not len(where[0]):
@@ -116,25 +116,28 @@ class FloorMap:
             return
         steps = np.arange(0.0, farthest, CELL / 2)
         counts = np.searchsorted(steps, distances - CELL)  # of each ray's steps before its end
-        ray = np.repeat(np.arange(len(distances)), counts)
-        step = np.arange(len(ray)) - np.repeat(np.cumsum(counts) - counts, counts)
-        # And the cell of the eye, from which all rays come.
-        ray, ways = np.append(ray, 0), np.append(steps[step], 0.0)
+        passed = np.flatnonzero(np.arange(len(steps)) < counts[:, None])  # by ray and step
         sin, cos = sin_cos(angles)
-        self._weigh(eye, cos[ray], sin[ray], ways, PASS)
         hit = distances < farthest - CELL
-        self._weigh(eye, cos[hit], sin[hit], distances[hit], HIT)
+        # And the cell of the eye, from which all rays come.
+        x, y = (np.append(np.multiply.outer(part, steps).take(passed), 0.0) for part in (cos, sin))
+        self._weigh(eye[0] + x, eye[1] + y, PASS)
+        self._weigh(eye[0] + (distances * cos)[hit], eye[1] + (distances * sin)[hit], HIT)
 
-    def _weigh(self, eye: tuple[float, float], cos: np.ndarray, sin: np.ndarray, ways: np.ndarray, weight: int) -> None:
-        """Once for each cell, however many rays have gone through it."""
-        i = np.floor((eye[0] + ways * cos) / CELL).astype(int) + HALF_SIZE
-        j = np.floor((eye[1] + ways * sin) / CELL).astype(int) + HALF_SIZE
-        inside = (i >= 0) & (i < SIDE) & (j >= 0) & (j < SIDE)
+    def _weigh(self, x: np.ndarray, y: np.ndarray, weight: int) -> None:
+        """Adds to the evidence of the places' cells: once for each cell, however many rays have gone through it."""
+        # In place, since a scan has ten thousand steps
+        x, y = (np.floor(place, out=place) for place in (np.divide(x, CELL, out=x), np.divide(y, CELL, out=y)))
+        x += HALF_SIZE
+        y += HALF_SIZE
+        inside = (x >= 0) & (x < SIDE) & (y >= 0) & (y < SIDE)
+        x *= SIDE
+        x += y
         marks = np.zeros(self._evidence.size, dtype=bool)
-        marks[(SIDE * i + j)[inside]] = True
+        marks[x[inside].astype(np.intp)] = True
         touched = np.flatnonzero(marks)
         self._near_walls = None
-        self._evidence.put(touched, np.clip(self._evidence.take(touched) + weight, LEAST, MOST))
+        self._evidence.put(touched, np.minimum(np.maximum(self._evidence.take(touched) + weight, LEAST), MOST))
 
     def _free(self) -> np.ndarray:
         return self._evidence < 0
