@@ -16,10 +16,13 @@ using powercube::Telegram;
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::chrono::milliseconds kRest{100};  // of a listener, once no descriptor is left
+constexpr std::chrono::seconds kNoRest{1};  // of the thread, once a client was there that is not followed
 
 bool rests(const BusThread::Wiring& wiring) {
-  return std::chrono::steady_clock::now() < wiring.rests_until;
+  return Clock::now() < wiring.rests_until;
 }
 
 }  // namespace
@@ -56,11 +59,12 @@ void BusThread::wake() {
 
 void BusThread::run() {
   while (!ending_) {
-    wait();
+    const bool rested = rest_while_followed();
+    if (!rested) wait();
     bool queued;
     {
       const std::lock_guard turn(turn_);
-      serve(look());
+      if (serve(look()) && rested) rests_again_at_ = Clock::now() + kNoRest;
       send_answers();
       count_dropped();
       queued = std::exchange(queued_, false);
@@ -81,7 +85,6 @@ std::vector<pollfd> BusThread::watched() const {
 }
 
 void BusThread::wait() {
-  if (rest_while_followed()) return;
   std::unique_lock turn(turn_);
   const bool one_rests = std::ranges::any_of(wirings_, rests);
   auto set = watched();
@@ -89,12 +92,18 @@ void BusThread::wait() {
   ::poll(set.data(), set.size(), one_rests ? static_cast<int>(kRest.count()) : -1);
 }
 
+// settle() is there for what comes next, and a thread that woke up for each request would only be in its way.
+// Something that nobody has settled by then comes from a client that is not followed.
 bool BusThread::rest_while_followed() {
-  const auto left = followed_until_.load() - std::chrono::steady_clock::now();
-  if (left <= left.zero()) return false;
-  pollfd woken{wake_fd_, POLLIN, 0};
-  ::poll(&woken, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
-  return true;
+  bool rested = false;
+  for (auto now = Clock::now(); now >= rests_again_at_; now = Clock::now()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(followed_until_.load() - now);
+    if (left.count() <= 0) break;
+    pollfd woken{wake_fd_, POLLIN, 0};
+    if (::poll(&woken, 1, static_cast<int>(left.count())) != 0) return false;
+    rested = true;
+  }
+  return rested;
 }
 
 std::vector<pollfd> BusThread::look() const {
@@ -129,9 +138,9 @@ bool BusThread::serve(const std::vector<pollfd>& ready) {
 // nothing stays behind. TCP gives no such promise: there we wait for as many bytes as were written.
 bool BusThread::settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience) {
   const std::lock_guard turn(turn_);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   followed_until_ = begin + kFollowed;
-  const auto within = [begin](auto time) { return std::chrono::steady_clock::now() < begin + time; };
+  const auto within = [begin](auto time) { return Clock::now() < begin + time; };
   const auto lines = lines_.size();
   const auto newest = next_number_;
   const auto come = [this](const protocol::Stream& stream) { return has_come(stream); };
@@ -211,12 +220,12 @@ bool BusThread::admit(std::uint32_t link) {
   auto& wiring = wirings_[link];
   auto channel = wiring.link->accept();
   if (wiring.link->is_short()) {
-    const bool is_new = wiring.rests_until == std::chrono::steady_clock::time_point{};
+    const bool is_new = wiring.rests_until == Clock::time_point{};
     if (is_new)
       spdlog::warn(
           "{}: a client waits to connect, but no file descriptor is left; raise the limit (ulimit -n)",
           wiring.link->name());
-    wiring.rests_until = std::chrono::steady_clock::now() + kRest;
+    wiring.rests_until = Clock::now() + kRest;
   } else if (channel) {
     wiring.rests_until = {};
   }

@@ -55,8 +55,8 @@ class BusThread {
   // as gone until it does, so no later call waits for it.
   static constexpr std::chrono::milliseconds kPatience{5000};  // for bytes that were written, on loopback
   static constexpr std::chrono::milliseconds kGrace{250};      // for connections that were made there
-  // The bus thread rests for kFollowed after it: settle() is there for what comes next, and a thread that
-  // woke up for each request would only be in its way. Other clients' requests may wait as long.
+  // The bus thread rests until kFollowed after the last settle(). A request of a client that is not followed
+  // may wait for so long, about once in a second.
   static constexpr std::chrono::milliseconds kFollowed{5};
   bool settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience = kPatience);
   void send_now();
@@ -74,7 +74,7 @@ class BusThread {
   void run();
   // Blocks until a descriptor is ready. Channels may come and go meanwhile: whoever changes them wakes us.
   void wait();
-  // Waits for wake() alone where settle() was called of late. False: it was not.
+  // Waits until settle() has not been called for kFollowed. False: it need not, or wake() was called.
   bool rest_while_followed();
   // The descriptors to poll: that of wake(), then the listeners, then the channels.
   std::vector<pollfd> watched() const;
@@ -116,6 +116,7 @@ class BusThread {
   int wake_fd_;
   std::atomic<bool> ending_{false};
   std::atomic<std::chrono::steady_clock::time_point> followed_until_{};
+  std::chrono::steady_clock::time_point rests_again_at_{};  // the thread's own
   std::thread thread_;
 };
 

@@ -1,4 +1,5 @@
 // Advance with follow_buses: when a program's telegrams are handled and answered, in the world's time.
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -132,7 +133,7 @@ class SettleOverTcp : public testing::Test {
     std::vector<BusThread::Wiring> wirings;
     wirings.push_back({open_tcp("0"), 0});
     name_ = wirings[0].link->name();
-    bus_ = std::make_unique<BusThread>(std::move(wirings), [] {});
+    bus_ = std::make_unique<BusThread>(std::move(wirings), [this] { ++wake_ups_; });
   }
   std::uint64_t heard_from(const BusLine& line) {
     std::vector<protocol::Stream> streams{{line.port(), 0, 0}};
@@ -141,6 +142,7 @@ class SettleOverTcp : public testing::Test {
   }
   const std::uint64_t frame_ = BusLine::serial(kGetVersion).size();
   std::string name_;
+  std::atomic<int> wake_ups_{0};  // for requests
   std::unique_ptr<BusThread> bus_;
 };
 
@@ -172,6 +174,31 @@ TEST_F(SettleOverTcp, AConnectionThatComesAfterAllIsFollowed) {
   EXPECT_TRUE(bus_->settle({{line.port(), 2 * frame_, 0}}));
   EXPECT_EQ(heard_from(line), 2 * frame_);
   EXPECT_FALSE(bus_->settle({{line.port(), 3 * frame_, 0}}, std::chrono::milliseconds(20)));
+}
+
+TEST_F(SettleOverTcp, TheThreadIsNotWokenForWhatIsSettled) {
+  constexpr int kRounds = 200;
+  auto line = BusLine::tcp(name_);
+  BusItem item;
+  for (std::uint64_t round = 1; round <= kRounds; ++round) {
+    line.send(kGetVersion);
+    ASSERT_TRUE(bus_->settle({{line.port(), round * frame_, 0}}));
+    EXPECT_TRUE(bus_->next_request(item));
+  }
+  EXPECT_LT(wake_ups_, kRounds / 4) << "only where a round took as long as the thread rests";
+}
+
+TEST_F(SettleOverTcp, AClientThatIsNotFollowedIsHeardAllTheSame) {
+  auto followed = BusLine::tcp(name_), other = BusLine::tcp(name_);
+  for (std::uint64_t round = 1; round <= 3; ++round) {
+    followed.send(kGetVersion);
+    ASSERT_TRUE(bus_->settle({{followed.port(), round * frame_, 0}}));
+    other.send(kGetVersion);
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (heard_from(other) < round * frame_ && std::chrono::steady_clock::now() < patience) {
+    }
+    EXPECT_EQ(heard_from(other), round * frame_) << "without another settle()";
+  }
 }
 
 }  // namespace

@@ -188,6 +188,17 @@ class ProgramsForRealModules(unittest.TestCase):
         self.assertEqual(text, "0 resent", "FIONREAD counts an answer that is due at that tick")
         self.assertEqual(figures["ticks"], 60, "a tick for each answer")
 
+    def test_one_that_reads_byte_by_byte_does_not_spin(self):
+        text, figures, errors = self.same_in_runs(2, HABITS, "bytes", "{bus.arm}", 230)
+        self.assertEqual(text, f"{230 * 12} bytes", "and ten looks at the clock for each, more than a thread that spins makes")
+        self.assertNotIn("spins", errors)
+        self.assertEqual(figures["ticks"], 20, "reading takes no time")
+
+    def test_what_poll_has_seen_may_be_gone_when_it_is_read(self):
+        text, figures, _ = self.same_in_runs(2, HABITS, "stale", "{bus.arm}", 8)
+        self.assertEqual(text, "8 reads found nothing")
+        self.assertEqual(figures["ticks"], 8 * 200, "each read waits for its time in the world")
+
     def test_one_that_spins_while_it_waits_for_modules_that_are_absent(self):
         text, figures, errors = self.same_in_runs(2, HABITS, "scan", "{bus.arm}")
         self.assertEqual(text, "8 found")

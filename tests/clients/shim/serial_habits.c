@@ -2,13 +2,16 @@
  *
  *   serial_habits resend DEVICE COUNT   writes a request, asks FIONREAD up to ten times with usleep(1000)
  *                                       between, and then writes it again
- *   serial_habits scan DEVICE           asks the modules 1 to 31, and spins for 0.93 s on each that is silent
- *   serial_habits serve DEVICE COUNT    a server that drives the bus, and its client: two processes that talk
- *                                       over TCP on loopback by fgets()
+ *   serial_habits bytes DEVICE COUNT    asks, waits, and reads byte by byte, with a look at the clock before
+ * each serial_habits stale DEVICE COUNT    polls for an answer, gets rid of it in one of several ways, and
+ * reads for 0.2 s what is no longer there serial_habits scan DEVICE           asks the modules 1 to 31, and
+ * spins for 0.93 s on each that is silent serial_habits serve DEVICE COUNT    a server that drives the bus,
+ * and its client: two processes that talk over TCP on loopback by fgets()
  */
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +19,7 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <sys/uio.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -105,6 +109,60 @@ static int scan(void) {
   return 0;
 }
 
+/* All answers are there before the first byte is read. */
+static int bytes(int count) {
+  unsigned char byte;
+  int got = 0;
+  for (int k = 0; k < count; ++k)
+    if (!send_request(1, 0x27)) return 1;
+  usleep(20000);
+  for (const double begin_s = now_s(); waiting() > 0; ++got) {
+    struct pollfd set = {line, POLLIN, 0};
+    for (int look = 0; look < 10; ++look)
+      if (now_s() != begin_s) return 1;
+    if (poll(&set, 1, 100) != 1 || read(line, &byte, 1) != 1) return 1;
+  }
+  printf("%d bytes\n", got);
+  return 0;
+}
+
+static int drop_by_flush(void) {
+  return tcflush(line, TCIFLUSH) == 0;
+}
+
+static int drop_by_ioctl(void) {
+  return ioctl(line, TCFLSH, TCIFLUSH) == 0;
+}
+
+static int drop_by_readv(void) {
+  unsigned char bytes[64];
+  struct iovec to = {bytes, sizeof bytes};
+  return readv(line, &to, 1) > 0;
+}
+
+static int drop_by_reading_all(void) {
+  return take_answer();
+}
+
+static int stale(int count) {
+  static int (*const ways[])(void) = {drop_by_flush, drop_by_ioctl, drop_by_readv, drop_by_reading_all};
+  struct termios settings;
+  unsigned char byte;
+  if (tcgetattr(line, &settings) != 0) return 1;
+  settings.c_cc[VMIN] = 0;
+  settings.c_cc[VTIME] = 2;
+  if (tcsetattr(line, TCSANOW, &settings) != 0) return 1;
+  for (int k = 0; k < count; ++k) {
+    struct pollfd set = {line, POLLIN, 0};
+    if (!send_request(1, 0x27) || poll(&set, 1, 100) != 1 || poll(&set, 1, 0) != 1) return 1;
+    if (!ways[(size_t)k % (sizeof ways / sizeof *ways)]()) return 1;
+    const double begin_s = now_s();
+    if (read(line, &byte, 1) != 0 || now_s() - begin_s < 0.1999 || now_s() - begin_s > 0.2011) return 1;
+  }
+  printf("%d reads found nothing\n", count);
+  return 0;
+}
+
 static int be_client(const struct sockaddr_in* address, int count) {
   char text[64];
   const int connection = socket(AF_INET, SOCK_STREAM, 0);
@@ -141,6 +199,8 @@ int main(int argc, char** argv) {
   const int count = argc > 3 ? atoi(argv[3]) : 0;
   if (argc < 3 || !open_line(argv[2])) return 2;
   if (strcmp(argv[1], "resend") == 0) return resend(count);
+  if (strcmp(argv[1], "bytes") == 0) return bytes(count);
+  if (strcmp(argv[1], "stale") == 0) return stale(count);
   if (strcmp(argv[1], "scan") == 0) return scan();
   if (strcmp(argv[1], "serve") == 0) return serve(count);
   return 2;
