@@ -29,9 +29,6 @@ constexpr int kFullBytes = 8192, kFullPauses = 100;
 
 std::atomic<int> descriptor_of_stream[kMostStreams];  // in this process; + 1
 
-__thread int readable = -1;
-__thread std::uint32_t readable_in_turn = 0;
-
 using AskAddress = int (*)(int, sockaddr*, socklen_t*);
 
 std::uint32_t port_of(int fd, AskAddress ask) {
@@ -133,15 +130,6 @@ Descriptor descriptor(int fd) {
   if (found.is_socket && shared()->port_count > 0) found.stream = stream_of(port_to_bus(fd));
   found.is_session = found.is_socket && port_of(fd, ::getpeername) == shared()->session_port;
   return found;
-}
-
-void note_readable(int fd) {
-  readable = fd;
-  readable_in_turn = mine().go;
-}
-
-bool take_readable(int fd) {
-  return std::exchange(readable, -1) == fd && fd >= 0 && readable_in_turn == mine().go;
 }
 
 int available_bytes(int fd) {

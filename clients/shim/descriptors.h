@@ -31,12 +31,6 @@ bool is_settled();
 // The kernel's worker carries over what the server has written to a pseudo terminal; poll() waits for it.
 void bring_in(int fd);
 
-// This thread has found something to read at `fd`. True from take_readable() until it looks elsewhere, waits
-// or reads: then a read of one byte does not wait. Where stdio has read it meanwhile, which we do not see, the
-// scheduler finds the thread asleep.
-void note_readable(int fd);
-bool take_readable(int fd);
-
 // How many bytes can be read; -1: the kernel does not say.
 int available_bytes(int fd);
 

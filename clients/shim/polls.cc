@@ -41,10 +41,7 @@ void add(int fd, FdWait& wait) {
 
 int poll_until(const char* doing, pollfd* set, nfds_t count, std::int64_t deadline, const sigset_t* signals) {
   const auto look = [&] { return VISUM_REAL(ppoll)(set, count, &kAtOnce, signals); };
-  if (const int found = look_at_settled(look); found != 0) {
-    if (count == 1 && found == 1 && set->revents == POLLIN) note_readable(set->fd);
-    return found;
-  }
+  if (const int found = count > 0 ? look_at_settled(look) : 0; found != 0) return found;
   FdWait wait{doing, deadline};
   for (const auto& one : std::span(set, count)) add(one.fd, wait);
   const bool at_once = deadline <= now_ns();
@@ -81,7 +78,7 @@ int select_once(const Sets& sets, const timespec* length, const sigset_t* signal
 
 int select_until(const char* doing, const Sets& sets, std::int64_t deadline, const sigset_t* signals) {
   const auto look = [&] { return select_once(sets, &kAtOnce, signals); };
-  if (const int found = look_at_settled(look); found != 0) return found;
+  if (const int found = sets.count > 0 ? look_at_settled(look) : 0; found != 0) return found;
   const bool at_once = deadline <= now_ns();
   FdWait wait{doing, deadline};
   add_all(sets, wait);

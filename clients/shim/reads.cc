@@ -60,7 +60,6 @@ std::int64_t receive_deadline(int fd) {
 // Waits where `call` would, then calls it.
 template <typename Call>
 ssize_t receive(const char* doing, int fd, bool at_once, Call call) {
-  take_readable(fd);
   const auto from = descriptor(fd);
   if (!from.can_wait) return call();
   if (at_once || is_nonblocking(fd)) return look(doing, from, call);
@@ -114,7 +113,6 @@ int await_tty(int fd, const TtyRules& rules, int most) {
 }
 
 ssize_t read_tty(int fd, void* to, std::size_t size) {
-  catch_up(0);
   const auto rules = rules_of(fd);
   const int most = static_cast<int>(std::min<std::size_t>(size, 4096));
   const int count = await_tty(fd, rules, most);
@@ -130,9 +128,7 @@ ssize_t read_tty(int fd, void* to, std::size_t size) {
 
 // No read waits that can be filled, wherever it leads. Programs that read byte by byte ask most often.
 bool can_fill(int fd, std::size_t size) {
-  const bool polled = take_readable(fd);
   if (!is_settled() || !has_looked_little()) return false;
-  if (polled && size == 1) return true;
   const int error = errno;
   const int there = available_bytes(fd);
   errno = error;

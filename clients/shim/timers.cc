@@ -13,7 +13,6 @@
 #include <iterator>
 
 #include "clients/shim/clocks.h"
-#include "clients/shim/descriptors.h"
 #include "clients/shim/real.h"
 #include "clients/shim/turns.h"
 
@@ -179,7 +178,6 @@ VISUM_EXPORT int timerfd_gettime(int fd, itimerspec* setting) noexcept {
 }
 
 VISUM_EXPORT int close(int fd) {
-  take_readable(fd);
   if (active()) forget_timer(fd);
   return VISUM_REAL(close)(fd);
 }

@@ -24,6 +24,7 @@ namespace {
 // too: Python reads a clock 1161 times to import its client. A thread that was found to spin is found sooner
 // the next time.
 constexpr int kMostLooks = 20'000, kMostLooksOfSpinner = 200;
+constexpr int kFewLooks = 100;  // it hardly matters whether these count
 // A thread that spins passes this share of the time for which it has spun already, at least a tick: so it
 // waits 1 s by some 170 steps and not by 1000, and comes 3 % late at most. A loop that looks for ever, a
 // monitor for example, is never more than 10 ms late.
@@ -297,7 +298,7 @@ void note_progress() {
 }
 
 bool has_looked_little() {
-  return looks < kMostLooksOfSpinner / 2;
+  return !said_that_we_spin && looks < kFewLooks;
 }
 
 Slot* keep_slot(std::int32_t pid, std::int32_t parent) {

@@ -48,7 +48,7 @@ auto blocked(const char* doing, Call call, std::uint32_t flags = 0, std::uint64_
 // by it.
 void note_look(const char* doing, bool on_bus = false);
 void note_progress();  // the thread did something: the count of looks begins again
-// True if the count is so low that it does not matter yet whether it begins again.
+// True if the count is so low that it hardly matters whether it begins again.
 bool has_looked_little();
 // Counts a request over a bus or a session. A thread that asks again and again makes time pass by it.
 void note_request();

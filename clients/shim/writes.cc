@@ -28,7 +28,6 @@ ssize_t counted(int fd, Call call) {
 // terminal they may still lie. So there is never any output left to discard. Input is discarded once all of
 // it is there.
 int flush(int fd, int queue) {
-  take_readable(fd);
   if (active() && descriptor(fd).is_tty) {
     if (queue == TCOFLUSH) return 0;
     catch_up(0);

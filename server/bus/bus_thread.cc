@@ -19,7 +19,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kRest{100};  // of a listener, once no descriptor is left
-constexpr std::chrono::seconds kNoRest{1};  // of the thread, once a client was there that is not followed
 
 bool rests(const BusThread::Wiring& wiring) {
   return Clock::now() < wiring.rests_until;
@@ -59,12 +58,12 @@ void BusThread::wake() {
 
 void BusThread::run() {
   while (!ending_) {
-    const bool rested = rest_while_followed();
-    if (!rested) wait();
+    rest_while_followed();
+    wait();
     bool queued;
     {
       const std::lock_guard turn(turn_);
-      if (serve(look()) && rested) rests_again_at_ = Clock::now() + kNoRest;
+      serve(look());
       send_answers();
       count_dropped();
       queued = std::exchange(queued_, false);
@@ -93,17 +92,13 @@ void BusThread::wait() {
 }
 
 // settle() is there for what comes next, and a thread that woke up for each request would only be in its way.
-// Something that nobody has settled by then comes from a client that is not followed.
-bool BusThread::rest_while_followed() {
-  bool rested = false;
-  for (auto now = Clock::now(); now >= rests_again_at_; now = Clock::now()) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(followed_until_.load() - now);
-    if (left.count() <= 0) break;
+void BusThread::rest_while_followed() {
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(followed_until_.load() - Clock::now());
+    if (left.count() <= 0) return;
     pollfd woken{wake_fd_, POLLIN, 0};
-    if (::poll(&woken, 1, static_cast<int>(left.count())) != 0) return false;
-    rested = true;
+    if (::poll(&woken, 1, static_cast<int>(left.count())) != 0) return;
   }
-  return rested;
 }
 
 std::vector<pollfd> BusThread::look() const {

@@ -56,8 +56,8 @@ class BusThread {
   static constexpr std::chrono::milliseconds kPatience{5000};  // for bytes that were written, on loopback
   static constexpr std::chrono::milliseconds kGrace{250};      // for connections that were made there
   // The bus thread rests until kFollowed after the last settle(). A request of a client that is not followed
-  // may wait for so long, about once in a second.
-  static constexpr std::chrono::milliseconds kFollowed{5};
+  // may wait for so long, or for the next settle().
+  static constexpr std::chrono::milliseconds kFollowed{1};
   bool settle(const std::vector<protocol::Stream>& streams, std::chrono::milliseconds patience = kPatience);
   void send_now();
   std::uint64_t said();  // bytes written to pseudo terminals and CAN interfaces so far
@@ -74,8 +74,8 @@ class BusThread {
   void run();
   // Blocks until a descriptor is ready. Channels may come and go meanwhile: whoever changes them wakes us.
   void wait();
-  // Waits until settle() has not been called for kFollowed. False: it need not, or wake() was called.
-  bool rest_while_followed();
+  // Waits until settle() has not been called for kFollowed, or until wake().
+  void rest_while_followed();
   // The descriptors to poll: that of wake(), then the listeners, then the channels.
   std::vector<pollfd> watched() const;
   // Polls them without waiting.
@@ -116,7 +116,6 @@ class BusThread {
   int wake_fd_;
   std::atomic<bool> ending_{false};
   std::atomic<std::chrono::steady_clock::time_point> followed_until_{};
-  std::chrono::steady_clock::time_point rests_again_at_{};  // the thread's own
   std::thread thread_;
 };
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/bus/bus_thread.h"
@@ -185,7 +186,7 @@ TEST_F(SettleOverTcp, TheThreadIsNotWokenForWhatIsSettled) {
     ASSERT_TRUE(bus_->settle({{line.port(), round * frame_, 0}}));
     EXPECT_TRUE(bus_->next_request(item));
   }
-  EXPECT_LT(wake_ups_, kRounds / 4) << "only where a round took as long as the thread rests";
+  EXPECT_LT(wake_ups_, kRounds / 4) << "only where a round took longer than the thread rests";
 }
 
 TEST_F(SettleOverTcp, AClientThatIsNotFollowedIsHeardAllTheSame) {
@@ -195,8 +196,8 @@ TEST_F(SettleOverTcp, AClientThatIsNotFollowedIsHeardAllTheSame) {
     ASSERT_TRUE(bus_->settle({{followed.port(), round * frame_, 0}}));
     other.send(kGetVersion);
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (heard_from(other) < round * frame_ && std::chrono::steady_clock::now() < patience) {
-    }
+    while (heard_from(other) < round * frame_ && std::chrono::steady_clock::now() < patience)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     EXPECT_EQ(heard_from(other), round * frame_) << "without another settle()";
   }
 }

@@ -190,14 +190,19 @@ class ProgramsForRealModules(unittest.TestCase):
 
     def test_one_that_reads_byte_by_byte_does_not_spin(self):
         text, figures, errors = self.same_in_runs(2, HABITS, "bytes", "{bus.arm}", 230)
-        self.assertEqual(text, f"{230 * 12} bytes", "and ten looks at the clock for each, more than a thread that spins makes")
+        self.assertEqual(text, f"{230 * 12} bytes", "with ten times as many looks at the clock as a thread makes that spins")
         self.assertNotIn("spins", errors)
         self.assertEqual(figures["ticks"], 20, "reading takes no time")
 
+    def test_nor_does_one_that_has_spun_before(self):
+        text, _, errors = self.same_in_runs(2, HABITS, "spun", "{bus.arm}", 230)
+        self.assertEqual(text, f"{230 * 12} bytes", "and no time passed between them")
+        self.assertEqual(errors.count("spins"), 1)
+
     def test_what_poll_has_seen_may_be_gone_when_it_is_read(self):
-        text, figures, _ = self.same_in_runs(2, HABITS, "stale", "{bus.arm}", 8)
-        self.assertEqual(text, "8 reads found nothing")
-        self.assertEqual(figures["ticks"], 8 * 200, "each read waits for its time in the world")
+        text, figures, _ = self.same_in_runs(2, HABITS, "stale", "{bus.arm}", 10)
+        self.assertEqual(text, "10 reads found nothing")
+        self.assertEqual(figures["ticks"], 10 * 200, "each read waits for its time in the world")
 
     def test_one_that_spins_while_it_waits_for_modules_that_are_absent(self):
         text, figures, errors = self.same_in_runs(2, HABITS, "scan", "{bus.arm}")

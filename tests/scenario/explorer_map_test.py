@@ -2,6 +2,7 @@
 import math
 import pathlib
 import resource
+import subprocess
 import sys
 import unittest
 
@@ -69,16 +70,21 @@ class Geometry(unittest.TestCase):
 
 class Memory(unittest.TestCase):
     def test_is_kept_for_the_next_scan(self):
-        """With it, memory that was freed is not given back, and costs no page faults when it is taken again."""
-        keep_memory()
-        seen(FloorMap(0.4), Pose(), (2.5, 2.0))
-        floor = FloorMap(0.4)
-        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-        for _ in range(20):
-            seen(floor, Pose(), (2.5, 2.0))
-            floor.near_walls()
-        faults = resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
-        self.assertLess(faults, 400, "without it more than ten thousand")
+        """In a process of its own: the C library also keeps memory once something else was large enough."""
+        faults = subprocess.run([sys.executable, __file__, "faults"], capture_output=True, text=True, check=True).stdout
+        self.assertLess(int(faults), 1000, "without keep_memory() more than ten thousand")
+
+
+def faults_of_scans() -> int:
+    """Page faults of twenty scans: memory that was given back costs some when it is taken again."""
+    keep_memory()
+    seen(FloorMap(0.4), Pose(), (2.5, 2.0))
+    floor = FloorMap(0.4)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(20):
+        seen(floor, Pose(), (2.5, 2.0))
+        floor.near_walls()
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
 
 class Map(unittest.TestCase):
@@ -165,4 +171,7 @@ class Map(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    if sys.argv[1:] == ["faults"]:
+        print(faults_of_scans())
+    else:
+        unittest.main()

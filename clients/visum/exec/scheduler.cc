@@ -24,7 +24,6 @@ constexpr std::int64_t kFirstWatch_ns = 100'000, kLatestFirstWatch_ns = 2'000'00
 constexpr std::int64_t kSoon_ns = 50'000;  // a thread is about to end or to wake up
 constexpr std::int64_t kMostTicks = 1000;  // at once; then look for threads that woke up by themselves
 
-constexpr std::chrono::milliseconds kLookForEnd{1};
 constexpr std::chrono::seconds kLastAdvance{5};  // how long to wait for the world once the program has ended
 constexpr std::chrono::milliseconds kWaking{500};  // how long to wait for a parent to notice its child's end
 
@@ -69,10 +68,9 @@ int Scheduler::run() {
 void Scheduler::await_quiet() {
   quiet_since_ = Clock::now();
   auto watch_ns = first_watch_ns_;
-  bool soon = false;
-  for (check_end(false); !ended_; check_end(soon)) {
+  for (check_end(); !ended_; check_end()) {
     quiet_bell_ = memory_.bell.load();
-    soon = false;
+    bool soon = false;
     if (is_quiet(soon)) return;
     const auto rings = [&] { return memory_.bell.load() != quiet_bell_; };
     if (!soon && busy_wait_.find(rings, std::chrono::nanoseconds(watch_ns))) continue;
@@ -84,22 +82,18 @@ void Scheduler::await_quiet() {
   }
 }
 
-void Scheduler::check_end(bool at_once) {
-  const auto now = Clock::now();
+void Scheduler::check_end() {
   int status = 0;
-  if (!ended_ && (at_once || now >= next_look_for_end_)) {
-    next_look_for_end_ = now + kLookForEnd;
-    if (::waitpid(program_, &status, WNOHANG) == program_) {
-      ended_ = status;
-      ended_at_ = now;
-    }
+  if (!ended_ && ::waitpid(program_, &status, WNOHANG) == program_) {
+    ended_ = status;
+    ended_at_ = Clock::now();
   }
-  if (!ended_ && now > give_up_)
+  if (!ended_ && Clock::now() > give_up_)
     throw cli::ExitError(cli::kTimedOut, "the program has not ended in time");
 }
 
 bool Scheduler::is_patient() {
-  check_end(true);
+  check_end();
   return !ended_ || Clock::now() < ended_at_ + kLastAdvance;
 }
 

@@ -56,8 +56,7 @@ class Scheduler {
   };
 
   void await_quiet();
-  // Looks whether the program has ended: at_once, or where the last look was a while ago.
-  void check_end(bool at_once);
+  void check_end();
   bool is_quiet(bool& soon);
   bool is_busy(shim::Slot& slot);
   bool is_still(shim::Slot& slot);
@@ -99,7 +98,7 @@ class Scheduler {
   Threads threads_;
   std::array<Watched, shim::kMostThreads> watched_{};
   std::optional<int> ended_;  // the program's status
-  Clock::time_point ended_at_, next_look_for_end_;
+  Clock::time_point ended_at_;
   protocol::BusyWait busy_wait_;
   std::uint32_t quiet_bell_ = 0;  // the bell, when all waited
   shim::Slot* last_turn_ = nullptr;

@@ -1,13 +1,12 @@
-/* Habits of programs that were written for real modules, on a serial line:
- *
- *   serial_habits resend DEVICE COUNT   writes a request, asks FIONREAD up to ten times with usleep(1000)
- *                                       between, and then writes it again
- *   serial_habits bytes DEVICE COUNT    asks, waits, and reads byte by byte, with a look at the clock before
- * each serial_habits stale DEVICE COUNT    polls for an answer, gets rid of it in one of several ways, and
- * reads for 0.2 s what is no longer there serial_habits scan DEVICE           asks the modules 1 to 31, and
- * spins for 0.93 s on each that is silent serial_habits serve DEVICE COUNT    a server that drives the bus,
- * and its client: two processes that talk over TCP on loopback by fgets()
- */
+// Habits of programs that were written for real modules, on a serial line. `serial_habits HABIT DEVICE COUNT`
+// does so COUNT times:
+//
+//   resend   writes a request, asks FIONREAD up to ten times with usleep(1000) between, and writes it again
+//   bytes    asks, waits until all answers are there, and reads byte by byte with looks at the clock between
+//   spun     the same, by a thread that has spun before
+//   stale    polls for an answer, gets rid of it in one of several ways, and reads what is no longer there
+//   scan     asks the modules 1 to 31 once, and spins for 0.93 s on each that is silent
+//   serve    a server that drives the bus, and its client: two processes that talk over TCP by fgets()
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -109,16 +108,17 @@ static int scan(void) {
   return 0;
 }
 
-/* All answers are there before the first byte is read. */
-static int bytes(int count) {
+static int bytes(int count, double spin_s) {
   unsigned char byte;
   int got = 0;
+  for (const double end_s = now_s() + spin_s; now_s() < end_s;) {
+  }
   for (int k = 0; k < count; ++k)
     if (!send_request(1, 0x27)) return 1;
   usleep(20000);
   for (const double begin_s = now_s(); waiting() > 0; ++got) {
     struct pollfd set = {line, POLLIN, 0};
-    for (int look = 0; look < 10; ++look)
+    for (int looks = got % 2 ? 150 : 99; looks > 0; --looks)
       if (now_s() != begin_s) return 1;
     if (poll(&set, 1, 100) != 1 || read(line, &byte, 1) != 1) return 1;
   }
@@ -134,6 +134,11 @@ static int drop_by_ioctl(void) {
   return ioctl(line, TCFLSH, TCIFLUSH) == 0;
 }
 
+static int drop_by_settings(void) {
+  struct termios settings;
+  return tcgetattr(line, &settings) == 0 && tcsetattr(line, TCSAFLUSH, &settings) == 0;
+}
+
 static int drop_by_readv(void) {
   unsigned char bytes[64];
   struct iovec to = {bytes, sizeof bytes};
@@ -145,7 +150,8 @@ static int drop_by_reading_all(void) {
 }
 
 static int stale(int count) {
-  static int (*const ways[])(void) = {drop_by_flush, drop_by_ioctl, drop_by_readv, drop_by_reading_all};
+  static int (*const ways[])(void) = {drop_by_flush, drop_by_ioctl, drop_by_settings, drop_by_readv,
+                                      drop_by_reading_all};
   struct termios settings;
   unsigned char byte;
   if (tcgetattr(line, &settings) != 0) return 1;
@@ -199,7 +205,8 @@ int main(int argc, char** argv) {
   const int count = argc > 3 ? atoi(argv[3]) : 0;
   if (argc < 3 || !open_line(argv[2])) return 2;
   if (strcmp(argv[1], "resend") == 0) return resend(count);
-  if (strcmp(argv[1], "bytes") == 0) return bytes(count);
+  if (strcmp(argv[1], "bytes") == 0) return bytes(count, 0.0);
+  if (strcmp(argv[1], "spun") == 0) return bytes(count, 0.05);
   if (strcmp(argv[1], "stale") == 0) return stale(count);
   if (strcmp(argv[1], "scan") == 0) return scan();
   if (strcmp(argv[1], "serve") == 0) return serve(count);
