@@ -25,6 +25,7 @@
 #include "protocol/local_door.h"
 #include "protocol/local_socket.h"
 #include "protocol/stream_session.h"
+#include "protocol/talker.h"
 #include "protocol/web_session.h"
 
 namespace visum::protocol {
@@ -66,6 +67,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
 
   void woken(WireSession& session) override { woken_.push_back(&session); }
   std::string refuse_place(const WireSession& session, Role role) const override;
+  bool looks_after(WireSession& session) override { return polled_ && talker_.takes(session); }
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
@@ -98,6 +100,9 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   enum class Held { kStay, kLeave };  // sessions that hold back: leave them alone, or write
   void settle(Held held = Held::kLeave);
   bool serve_ready();
+  bool look_at_talker() {
+    return run_handlers([this](auto&) { return std::size_t{talker_.look()}; }) > 0;
+  }
   bool wait(std::chrono::nanoseconds at_most);  // false: nothing came
   // Runs handlers. Where memory runs out within Asio or Beast, that costs the connection at hand.
   template <typename Run>
@@ -136,6 +141,9 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   std::uint64_t next_id_ = 1;
   std::vector<WireSession*> woken_;
   BusyWait busy_wait_;
+  Talker talker_;
+  bool polled_ = false;  // by poll() and poll_for(), which look after the talker
+  bool more_came_ = false;
   std::atomic<std::size_t> open_sessions_{0};
 };
 
@@ -336,7 +344,9 @@ void Server::Impl::settle(Held held) {
     }
     session.work();
     any_closed |= session.closing();
-    if (session.finished() && !session.is_woken()) sessions_.erase(session.id());
+    if (!session.finished() || session.is_woken()) continue;
+    talker_.forget(session);
+    sessions_.erase(session.id());
   }
   woken_.resize(stayed);
   if (any_closed) count_open();
@@ -354,8 +364,12 @@ std::size_t Server::Impl::run_handlers(Run run) {
 
 // Waits for the next event, and handles it. What is held back leaves if there is none soon.
 bool Server::Impl::wait(std::chrono::nanoseconds at_most) {
-  const auto is_there = [&] { return run_handlers([](auto& io) { return io.poll_one(); }) > 0; };
+  const auto is_there = [&] {
+    if (look_at_talker()) return true;
+    return !talker_.goes_first() && run_handlers([](auto& io) { return io.poll_one(); }) > 0;
+  };
   if (busy_wait_.find(is_there, at_most)) return true;
+  talker_.rest();
   const auto bound = woken_.empty() ? at_most : std::min<std::chrono::nanoseconds>(at_most, kNothingToDo);
   if (run_handlers([&](auto& io) { return io.run_one_for(bound); }) > 0) return true;
   settle();
@@ -364,7 +378,8 @@ bool Server::Impl::wait(std::chrono::nanoseconds at_most) {
 
 // Bounded, so that no client can keep the caller here.
 bool Server::Impl::serve_ready() {
-  bool any = false;
+  bool any = look_at_talker();
+  if (any) settle(Held::kStay);
   const std::size_t connections = http_ ? http_->connection_count() : 0;
   for (std::size_t left = sessions_.size() + connections + kSpareEvents; left > 0; --left) {
     if (run_handlers([](auto& io) { return io.poll_one(); }) == 0) break;
@@ -394,23 +409,26 @@ void Server::start() {
 }
 
 void Server::run() {
+  impl_->polled_ = false;
+  impl_->talker_.rest();
   for (impl_->settle(); !impl_->over(); impl_->settle())
     impl_->run_handlers([](auto& io) { return io.run_one(); });
 }
 
 bool Server::poll() {
+  impl_->polled_ = true;
   impl_->settle(Impl::Held::kStay);
   return impl_->serve_ready();
 }
 
 void Server::poll_for(std::chrono::nanoseconds at_most) {
   const bool waits = at_most.count() > 0;
+  impl_->polled_ = true;
   impl_->settle(waits ? Impl::Held::kStay : Impl::Held::kLeave);
   if (waits && !impl_->wait(at_most)) return;
   impl_->settle(Impl::Held::kStay);
-  const bool others =
-      !waits || impl_->sessions_.size() > 1 || (impl_->http_ && impl_->http_->connection_count() > 0);
-  if (others) impl_->serve_ready();
+  // Where an event came alone, the next one mostly does so, too.
+  if (!waits || impl_->more_came_ || !impl_->talker_.goes_first()) impl_->more_came_ = impl_->serve_ready();
 }
 
 void Server::write() {

@@ -52,7 +52,27 @@ void StreamSession::start() {
 // reading
 
 void StreamSession::read() {
-  if (reading_ || !socket_.is_open()) return;
+  if (reading_ || looked_after_ || !socket_.is_open()) return;
+  looked_after_ = drained_ && !tls_ && !closing() && !lingering_ && may_be_looked_after();
+  if (!looked_after_) wait_to_read();
+}
+
+bool StreamSession::take_now() {
+  const auto space = space_for_network();
+  if (space.empty()) return false;  // closed, for want of memory
+  error_code error;
+  const std::size_t bytes = socket_.read_some(asio::buffer(space.data(), space.size()), error);
+  if (error == asio::error::would_block) return false;
+  looked_after_ = false;
+  on_read(error, bytes, space.size());
+  return true;
+}
+
+void StreamSession::wait_for_bytes() {
+  if (std::exchange(looked_after_, false) && socket_.is_open()) wait_to_read();
+}
+
+void StreamSession::wait_to_read() {
   const auto space = space_for_network();
   if (space.empty()) return;  // closed, for want of memory
   reading_ = true;
@@ -68,14 +88,15 @@ void StreamSession::read() {
       read();
     });
   socket_.async_read_some(asio::buffer(space.data(), space.size()),
-                          [this](const error_code& error, std::size_t bytes) {
+                          [this, room = space.size()](const error_code& error, std::size_t bytes) {
                             --operations_;
                             reading_ = false;
-                            on_read(error, bytes);
+                            on_read(error, bytes, room);
                           });
 }
 
-void StreamSession::on_read(const error_code& error, std::size_t bytes) {
+void StreamSession::on_read(const error_code& error, std::size_t bytes, std::size_t room) {
+  drained_ = bytes < room;
   context().handler.on_bytes();
   if (!socket_.is_open()) return wake();
   if (error == asio::error::eof) return stream_ended();
@@ -214,6 +235,7 @@ void StreamSession::sweep() {
 
 void StreamSession::close_socket() {
   error_code ignored;
+  looked_after_ = false;
   socket_.close(ignored);
 }
 

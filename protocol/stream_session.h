@@ -30,6 +30,9 @@ class StreamSession final : public WireSession {
   void start() override;
   void sweep() override;
   void let_go() override;
+  bool is_looked_after() const override { return looked_after_; }
+  bool take_now() override;
+  void wait_for_bytes() override;
 
  private:
   StreamSession(SessionContext& context, SessionOwner& owner, Socket socket, std::uint64_t id,
@@ -41,7 +44,9 @@ class StreamSession final : public WireSession {
   void read() override;
   void flush() override;
 
-  void on_read(const boost::system::error_code& error, std::size_t bytes);
+  void wait_to_read();
+  // `room`: of the buffer.
+  void on_read(const boost::system::error_code& error, std::size_t bytes, std::size_t room);
   // Feeds TLS with the bytes that were read. A client that speaks plain text is refused in plain text.
   void decipher(std::size_t bytes);
   // Moves deciphered bytes into the core, one record at a time, and handles the frames that they complete.
@@ -71,7 +76,9 @@ class StreamSession final : public WireSession {
   bool fed_dry_ = true;              // all of them have been deciphered
   bool said_goodbye_ = false;
   bool handshake_failed_ = false;
-  bool reading_ = false;
+  bool reading_ = false;       // waits in the io_context
+  bool looked_after_ = false;  // the owner calls take_now()
+  bool drained_ = false;       // by the last read, as far as one can tell
   bool blocked_ = false;       // writing waits for the peer
   bool peer_gone_ = false;     // its end of the stream was read
   bool lingering_ = false;     // everything is written, and input is thrown away

@@ -6,6 +6,7 @@
 #include <boost/asio/ip/tcp.hpp>
 
 #include "protocol/session_core.h"
+#include "protocol/talker.h"
 
 namespace visum::protocol {
 
@@ -19,9 +20,11 @@ class SessionOwner {
   virtual void woken(WireSession& session) = 0;
   // The limit that stands against a session that says Hello with this role; "" if there is a place for it.
   virtual std::string refuse_place(const WireSession& session, Role role) const = 0;
+  // A session has read all that was there. True: the owner looks for what comes next (talker.h).
+  virtual bool looks_after(WireSession& session) = 0;
 };
 
-class WireSession : public SessionCore {
+class WireSession : public SessionCore, public Speaker {
  public:
   // The session must outlive its pending operations. Destroy it only when finished() is true, or when its
   // io_context runs no more handlers.
@@ -47,6 +50,7 @@ class WireSession : public SessionCore {
 
   void wake() override;
   std::string refuse_place(Role role) const override { return owner_.refuse_place(*this, role); }
+  bool may_be_looked_after() { return owner_.looks_after(*this); }
   void proceed();         // handles the frames that have arrived, then reads on
   void proceed_if_due();  // continues reading that waited for writing
   bool paused() const { return paused_; }

@@ -1,0 +1,44 @@
+// The session whose client speaks most. A server that looks busily for messages reads this one's socket
+// itself: one call of the kernel for each message, where Asio needs a look at epoll, a read, and another read
+// that finds nothing.
+//
+// Used on the server's thread. Internal to the server.
+#pragma once
+
+namespace visum::protocol {
+
+// A session, as far as it can be looked after.
+class Speaker {
+ public:
+  virtual ~Speaker() = default;
+  // True from the moment at which Talker::takes() has taken it until it has read something, or waits.
+  virtual bool is_looked_after() const { return false; }
+  // Handles what has come. False: nothing has.
+  virtual bool take_now() { return false; }
+  // Waits by itself from now on, as it does where nobody looks after it.
+  virtual void wait_for_bytes() {}
+};
+
+class Talker {
+ public:
+  // A session has read all that was there. True: look() takes what comes next. False: it waits by itself.
+  bool takes(Speaker& session);
+  // Handles what has come from it. False: nothing has.
+  bool look() { return is_looked_after() && session_->take_now(); }
+  // True if a look at it is enough for now. Others have their turn at one look of kLooks.
+  bool goes_first() { return is_looked_after() && ++looks_ % kLooks != 0; }
+  // It waits by itself from now on, because nobody will look for a while.
+  void rest();
+  void forget(const Speaker& session);  // which ends
+
+  static constexpr unsigned kLooks = 4;
+
+ private:
+  bool is_looked_after() const { return session_ != nullptr && session_->is_looked_after(); }
+
+  Speaker* session_ = nullptr;
+  const Speaker* rival_ = nullptr;  // another one that has spoken since
+  unsigned looks_ = 0;
+};
+
+}  // namespace visum::protocol
