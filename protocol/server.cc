@@ -142,8 +142,8 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   std::vector<WireSession*> woken_;
   BusyWait busy_wait_;
   Talker talker_;
-  bool polled_ = false;  // by poll() and poll_for(), which look after the talker
-  bool more_came_ = false;
+  bool polled_ = false;     // by poll() and poll_for(), which look after the talker
+  bool more_came_ = false;  // when all were looked at last
   std::atomic<std::size_t> open_sessions_{0};
 };
 
@@ -366,7 +366,7 @@ std::size_t Server::Impl::run_handlers(Run run) {
 bool Server::Impl::wait(std::chrono::nanoseconds at_most) {
   const auto is_there = [&] {
     if (look_at_talker()) return true;
-    return !talker_.goes_first() && run_handlers([](auto& io) { return io.poll_one(); }) > 0;
+    return !talker_.takes_turn() && run_handlers([](auto& io) { return io.poll_one(); }) > 0;
   };
   if (busy_wait_.find(is_there, at_most)) return true;
   talker_.rest();
@@ -427,8 +427,8 @@ void Server::poll_for(std::chrono::nanoseconds at_most) {
   impl_->settle(waits ? Impl::Held::kStay : Impl::Held::kLeave);
   if (waits && !impl_->wait(at_most)) return;
   impl_->settle(Impl::Held::kStay);
-  // Where an event came alone, the next one mostly does so, too.
-  if (!waits || impl_->more_came_ || !impl_->talker_.goes_first()) impl_->more_came_ = impl_->serve_ready();
+  // The talker mostly speaks alone. What came with it is seen at the next turn of all, or by poll().
+  if (!waits || impl_->more_came_ || !impl_->talker_.takes_turn()) impl_->more_came_ = impl_->serve_ready();
 }
 
 void Server::write() {

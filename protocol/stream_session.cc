@@ -3,6 +3,8 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
+#include <new>
+#include <utility>
 
 #include "protocol/socket_options.h"
 
@@ -59,7 +61,7 @@ void StreamSession::read() {
 
 bool StreamSession::take_now() {
   const auto space = space_for_network();
-  if (space.empty()) return false;  // closed, for want of memory
+  if (space.empty()) return looked_after_ = false;  // closed, for want of memory
   error_code error;
   const std::size_t bytes = socket_.read_some(asio::buffer(space.data(), space.size()), error);
   if (error == asio::error::would_block) return false;
@@ -72,31 +74,35 @@ void StreamSession::wait_for_bytes() {
   if (std::exchange(looked_after_, false) && socket_.is_open()) wait_to_read();
 }
 
-void StreamSession::wait_to_read() {
+// Where memory runs out it costs this session, though the call may come from another one's handler.
+void StreamSession::wait_to_read() try {
   const auto space = space_for_network();
   if (space.empty()) return;  // closed, for want of memory
-  reading_ = true;
-  ++operations_;
   // Bytes are left to decipher. They wait for a turn of their own: other sessions come first, and
   // take_plain() does not call itself.
   if (tls_ && !fed_dry_ && !closing() && !lingering_)
-    return asio::post(executor(), [this] {
+    asio::post(executor(), [this] {
       --operations_;
       reading_ = false;
       if (!socket_.is_open()) return wake();
       if (!closing()) return take_plain();
       read();
     });
-  socket_.async_read_some(asio::buffer(space.data(), space.size()),
-                          [this, room = space.size()](const error_code& error, std::size_t bytes) {
-                            --operations_;
-                            reading_ = false;
-                            on_read(error, bytes, room);
-                          });
+  else
+    socket_.async_read_some(asio::buffer(space.data(), space.size()),
+                            [this, size = space.size()](const error_code& error, std::size_t bytes) {
+                              --operations_;
+                              reading_ = false;
+                              on_read(error, bytes, size);
+                            });
+  reading_ = true;  // neither calls us before it returns
+  ++operations_;
+} catch (const std::bad_alloc&) {
+  lost();
 }
 
-void StreamSession::on_read(const error_code& error, std::size_t bytes, std::size_t room) {
-  drained_ = bytes < room;
+void StreamSession::on_read(const error_code& error, std::size_t bytes, std::size_t space) {
+  drained_ = bytes < space;
   context().handler.on_bytes();
   if (!socket_.is_open()) return wake();
   if (error == asio::error::eof) return stream_ended();

@@ -45,8 +45,8 @@ class StreamSession final : public WireSession {
   void flush() override;
 
   void wait_to_read();
-  // `room`: of the buffer.
-  void on_read(const boost::system::error_code& error, std::size_t bytes, std::size_t room);
+  // `space`: how many bytes there could have been.
+  void on_read(const boost::system::error_code& error, std::size_t bytes, std::size_t space);
   // Feeds TLS with the bytes that were read. A client that speaks plain text is refused in plain text.
   void decipher(std::size_t bytes);
   // Moves deciphered bytes into the core, one record at a time, and handles the frames that they complete.

@@ -4,14 +4,20 @@
 
 namespace visum::protocol {
 
-// Another session takes the place once it has spoken twice in a row.
+// Others take its place once they have read twice without a word from it.
 bool Talker::takes(Speaker& session) {
-  if (session_ != nullptr && session_ != &session && std::exchange(rival_, &session) != &session)
-    return false;
+  if (session_ != nullptr && session_ != &session && ++others_ < 2) return false;
   if (session_ != &session) rest();
   session_ = &session;
-  rival_ = nullptr;
+  others_ = in_vain_ = 0;
   return true;
+}
+
+bool Talker::look() {
+  if (!is_looked_after()) return false;
+  if (session_->take_now()) return true;
+  if (++in_vain_ >= kMostInVain) rest();
+  return false;
 }
 
 void Talker::rest() {
@@ -20,7 +26,6 @@ void Talker::rest() {
 
 void Talker::forget(const Speaker& session) {
   if (session_ == &session) session_ = nullptr;
-  if (rival_ == &session) rival_ = nullptr;
 }
 
 }  // namespace visum::protocol

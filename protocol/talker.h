@@ -11,7 +11,7 @@ namespace visum::protocol {
 class Speaker {
  public:
   virtual ~Speaker() = default;
-  // True from the moment at which Talker::takes() has taken it until it has read something, or waits.
+  // True from the moment at which Talker::takes() has taken it until it has read something, waits or ends.
   virtual bool is_looked_after() const { return false; }
   // Handles what has come. False: nothing has.
   virtual bool take_now() { return false; }
@@ -21,24 +21,27 @@ class Speaker {
 
 class Talker {
  public:
-  // A session has read all that was there. True: look() takes what comes next. False: it waits by itself.
+  // A session wants to read on, and its last read has emptied its socket. True: look() takes what comes next.
+  // False: it waits by itself.
   bool takes(Speaker& session);
   // Handles what has come from it. False: nothing has.
-  bool look() { return is_looked_after() && session_->take_now(); }
-  // True if a look at it is enough for now. Others have their turn at one look of kLooks.
-  bool goes_first() { return is_looked_after() && ++looks_ % kLooks != 0; }
+  bool look();
+  // True: this turn is the talker's alone. One of kTurns is for all.
+  bool takes_turn() { return is_looked_after() && ++turns_ % kTurns != 0; }
   // It waits by itself from now on, because nobody will look for a while.
   void rest();
   void forget(const Speaker& session);  // which ends
 
-  static constexpr unsigned kLooks = 4;
+  static constexpr unsigned kTurns = 4;
+  static constexpr int kMostInVain = 1000;  // looks in a row; then it waits by itself
 
  private:
   bool is_looked_after() const { return session_ != nullptr && session_->is_looked_after(); }
 
   Speaker* session_ = nullptr;
-  const Speaker* rival_ = nullptr;  // another one that has spoken since
-  unsigned looks_ = 0;
+  int others_ = 0;  // reads of others since it has spoken
+  int in_vain_ = 0;
+  unsigned turns_ = 0;
 };
 
 }  // namespace visum::protocol

@@ -20,7 +20,7 @@ class SessionOwner {
   virtual void woken(WireSession& session) = 0;
   // The limit that stands against a session that says Hello with this role; "" if there is a place for it.
   virtual std::string refuse_place(const WireSession& session, Role role) const = 0;
-  // A session has read all that was there. True: the owner looks for what comes next (talker.h).
+  // True: the owner looks for what comes next to the session (Talker::takes()).
   virtual bool looks_after(WireSession& session) = 0;
 };
 

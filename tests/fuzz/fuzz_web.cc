@@ -107,6 +107,7 @@ class Line final : HttpOwner, SessionOwner {
   void http_connected() override {}
   void woken(WireSession& session) override { woken_.push_back(&session); }
   std::string refuse_place(const WireSession&, Role) const override { return {}; }
+  bool looks_after(WireSession&) override { return false; }
   void upgraded(UpgradePointer upgrade) override {
     const auto text = [&](auto field) { return std::string(upgrade->request[field]); };
     const auto host = in_small_letters(text(boost::beast::http::field::host));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -46,7 +47,7 @@ class TalkerTest : public ::testing::Test {
 
 TEST_F(TalkerTest, IsWhoSpokeFirst) {
   EXPECT_FALSE(talker.look()) << "nobody has spoken";
-  EXPECT_FALSE(talker.goes_first());
+  EXPECT_FALSE(talker.takes_turn());
   first.hear();
   EXPECT_TRUE(first.is_looked_after());
   EXPECT_FALSE(talker.look());
@@ -55,23 +56,35 @@ TEST_F(TalkerTest, IsWhoSpokeFirst) {
   EXPECT_TRUE(first.is_looked_after()) << "again";
 }
 
-TEST_F(TalkerTest, IsAnotherOnceThatOneHasSpokenTwiceInARow) {
+TEST_F(TalkerTest, IsAnotherOnceOthersHaveSpokenTwiceWithoutAWordFromIt) {
   first.hear();
+  for (int time = 0; time < 3; ++time) {
+    second.hear();
+    EXPECT_FALSE(second.is_looked_after());
+    first.hear();
+    EXPECT_TRUE(first.is_looked_after()) << "they take turns";
+  }
+  FakeSession third{talker};
   second.hear();
-  EXPECT_FALSE(second.is_looked_after());
-  first.hear();
-  second.hear();
-  EXPECT_TRUE(first.is_looked_after()) << "they take turns";
-  second.hear();
-  EXPECT_TRUE(second.is_looked_after());
+  third.hear();
+  EXPECT_TRUE(third.is_looked_after());
   EXPECT_FALSE(first.is_looked_after()) << "it waits by itself";
+  talker.forget(third);
 }
 
-TEST_F(TalkerTest, LeavesTheOthersOneLookOfSome) {
+TEST_F(TalkerTest, LeavesTheOthersOneTurnOfSome) {
   first.hear();
-  unsigned for_others = 0;
-  for (unsigned look = 0; look < 10 * Talker::kLooks; ++look) for_others += !talker.goes_first();
-  EXPECT_EQ(for_others, 10u);
+  unsigned for_all = 0;
+  for (unsigned turn = 0; turn < 10 * Talker::kTurns; ++turn) for_all += !talker.takes_turn();
+  EXPECT_EQ(for_all, 10u);
+}
+
+TEST_F(TalkerTest, WaitsByItselfOnceItIsSilentForLong) {
+  first.hear();
+  for (int look = 1; look < Talker::kMostInVain; ++look) EXPECT_FALSE(talker.look());
+  EXPECT_TRUE(first.is_looked_after());
+  EXPECT_FALSE(talker.look());
+  EXPECT_FALSE(first.is_looked_after());
 }
 
 TEST_F(TalkerTest, WaitsByItselfWhereNobodyLooks) {
@@ -116,30 +129,47 @@ TEST_F(ServerWithTalker, HearsItWhereTheLoopOnlyPolls) {
   EXPECT_EQ(handler.asked.size(), 2u);
 }
 
-TEST_F(ServerWithTalker, IsWokenByItAfterItFellAsleep) {
+// Sessions' deadlines are looked at every 50 ms, which wakes the server, too.
+TEST_F(ServerWithTalker, IsWokenByItAtOnceAfterItFellAsleep) {
+  constexpr int kRounds = 12;
   greet(client);
-  for (int round = 0; round < 3; ++round) {
+  int at_once = 0;
+  for (int round = 0; round < kRounds; ++round) {
     speak(client);
     const std::size_t asked = handler.asked.size() + 1;
-    std::thread later([this, frame = testing::frame_of(++id_, Status{})] {
-      std::this_thread::sleep_for(50ms);  // longer than the server looks busily
+    std::chrono::steady_clock::time_point sent;
+    std::thread later([&, frame = testing::frame_of(++id_, Status{})] {
+      std::this_thread::sleep_for(20ms + 7ms * round);  // longer than the server looks busily
+      sent = std::chrono::steady_clock::now();
       client.send(frame);
     });
-    const auto begin = std::chrono::steady_clock::now();
     while (handler.asked.size() < asked) server().poll_for(20s);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);
+    const auto heard = std::chrono::steady_clock::now();
     later.join();
+    at_once += heard - sent < 20ms;
     EXPECT_EQ(next(client).reply_to, id_);
   }
+  EXPECT_GE(at_once, kRounds - 2) << "without a wake-up of its own less than half";
 }
 
-TEST_F(ServerWithTalker, HearsOthersWhileItTalks) {
+TEST_F(ServerWithTalker, HearsOthersWhileItTalksWithoutAPause) {
   greet(client);
   RawClient other(port());
   greet(other);
   for (int round = 0; round < 20; ++round) {
-    for (int time = 0; time < round % 4; ++time) speak(client);
-    speak(other);
+    other.send(++id_, Status{});
+    const auto is_answered = [&] {
+      return std::ranges::any_of(handler.asked, [&](const auto& asked) { return asked.id == id_; });
+    };
+    unsigned waits = 0;
+    for (; !is_answered() && waits < 100; ++waits) {
+      client.send(1'000'000 + waits, Status{});  // there before the server looks
+      server().poll_for(1ms);
+    }
+    EXPECT_LE(waits, 4 * Talker::kTurns);
+    EXPECT_EQ(next(other).reply_to, id_);
+    while (client.reply()) {
+    }
   }
 }
 
