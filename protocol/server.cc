@@ -67,7 +67,7 @@ struct Server::Impl final : SessionOwner, HttpOwner {
 
   void woken(WireSession& session) override { woken_.push_back(&session); }
   std::string refuse_place(const WireSession& session, Role role) const override;
-  bool looks_after(WireSession& session) override { return polled_ && talker_.takes(session); }
+  bool looks_after(WireSession& session) override { return talker_.takes(session); }
   void http_connected() override { arm_sweep(); }
   void upgraded(UpgradePointer upgrade) override;
 
@@ -142,7 +142,6 @@ struct Server::Impl final : SessionOwner, HttpOwner {
   std::vector<WireSession*> woken_;
   BusyWait busy_wait_;
   Talker talker_;
-  bool polled_ = false;     // by poll() and poll_for(), which look after the talker
   bool more_came_ = false;  // when all were looked at last
   std::atomic<std::size_t> open_sessions_{0};
 };
@@ -409,21 +408,19 @@ void Server::start() {
 }
 
 void Server::run() {
-  impl_->polled_ = false;
-  impl_->talker_.rest();
-  for (impl_->settle(); !impl_->over(); impl_->settle())
+  for (impl_->settle(); !impl_->over(); impl_->settle()) {
+    impl_->talker_.rest();
     impl_->run_handlers([](auto& io) { return io.run_one(); });
+  }
 }
 
 bool Server::poll() {
-  impl_->polled_ = true;
   impl_->settle(Impl::Held::kStay);
   return impl_->serve_ready();
 }
 
 void Server::poll_for(std::chrono::nanoseconds at_most) {
   const bool waits = at_most.count() > 0;
-  impl_->polled_ = true;
   impl_->settle(waits ? Impl::Held::kStay : Impl::Held::kLeave);
   if (waits && !impl_->wait(at_most)) return;
   impl_->settle(Impl::Held::kStay);

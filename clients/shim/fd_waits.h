@@ -20,8 +20,8 @@ struct FdWait {
   std::uint64_t streams = 0;  // to buses, as bits
 };
 
-// A look at descriptors that need not be told apart: no bytes are between the program and a bus, so that what
-// the kernel has is all that can be there. 0: nothing, or not known by such a look.
+// A first look where no bytes are between the program and a bus: what the kernel has is all that can be
+// there, wherever the descriptors lead. 0: nothing, or bytes are under way.
 template <typename Look>
 int look_at_settled(Look look) {
   if (!is_settled()) return 0;

@@ -82,7 +82,7 @@ def disc(radius: float) -> list[tuple[int, int]]:
 def sum_around(cells: np.ndarray, radius: float) -> np.ndarray:
     """For each cell the sum of all cells within the radius; of booleans, whether one of them is true."""
     widths = half_widths(radius)
-    everywhere = np.zeros(cells.shape, dtype=cells.dtype)
+    everywhere = np.zeros_like(cells)
     # Beyond the part where cells are not 0, and the radius, the sums are 0.
     where = [np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0)]
     if not len(where[0]):
