@@ -1,4 +1,4 @@
-"""The Python package: its modules do not import each other in a circle, and a wrong name is answered with a near one."""
+"""The Python package: what it sends and shows, how it waits, what it imports, and that a wrong name is answered with a near one."""
 import ast
 import importlib.util
 import itertools
@@ -15,6 +15,7 @@ sys.path.insert(0, str(BIN.parent / "python"))
 import visum  # noqa: E402
 from visum import visum_pb2  # noqa: E402
 from visum.busy_wait import BusyWait  # noqa: E402
+from visum.request_bytes import frame, request_bytes  # noqa: E402
 
 PACKAGE = SOURCE / "clients" / "python" / "visum"
 
@@ -107,6 +108,82 @@ class Exchanges(unittest.TestCase):
                 with mock.patch.object(client.connection, "flush", wraps=client.connection.flush) as flush:
                     arm.write()
                 flush.assert_called_once()
+
+
+class RequestBytes(unittest.TestCase):
+    def test_a_frame_holds_what_protobuf_would_write(self):
+        kinds = visum_pb2.ClientMessage.DESCRIPTOR.oneofs_by_name["request"].fields
+        self.assertGreater(len(kinds), 50)
+        for field in kinds:
+            message = getattr(visum_pb2.ClientMessage(), field.name)
+            for number in (0, 1, 127, 128, 1 << 14, (1 << 32) + 5, (1 << 64) - 1):
+                sent = frame(number, request_bytes(**{field.name: message}))
+                with self.subTest(field.name, number=number):
+                    self.assertEqual(len(sent) - 4, int.from_bytes(sent[:4], "little"))
+                    expected = visum_pb2.ClientMessage(id=number, **{field.name: message})
+                    self.assertEqual(visum_pb2.ClientMessage.FromString(sent[4:]), expected)
+
+    def test_long_contents_are_whole(self):
+        for size in (127, 128, 20_000, 3_000_000):
+            write = visum_pb2.WriteBlackboard(part="arm", name="Notes", offset=size, data=b"\xff" * size)
+            sent = visum_pb2.ClientMessage.FromString(frame(9, request_bytes(write_blackboard=write))[4:])
+            self.assertEqual((9, write), (sent.id, sent.write_blackboard))
+
+
+class Values(unittest.TestCase):
+    """What a controller sees of its own inputs."""
+
+    def setUp(self):
+        daemon = self.enterContext(Daemon("--clock", "lockstep"))
+        self.client = self.enterContext(visum.Client(daemon.connect))
+        self.part = self.client.part("arm")
+        self.desired = self.part.inputs("Desired Angle")
+
+    def test_a_staged_value_shows_at_once_and_stays_under_the_lease(self):
+        self.client.join()
+        with self.part.lease():
+            before = self.desired[1]
+            self.desired[0] = before + 0.25
+            self.assertEqual(before + 0.25, self.desired[0])
+            self.assertEqual([before + 0.25, before], list(self.desired)[:2])
+            self.part.write()
+            self.client.advance_ticks(1)
+            self.assertEqual(before + 0.25, self.part.input_values[self.desired.ports[0].index])
+        self.assertEqual(before + 0.25, self.desired[0])
+        self.part.read()
+        self.assertEqual(before + 0.25, self.desired[0])
+
+    def test_a_refused_value_gives_way_to_the_one_in_force(self):
+        self.part.acquire()
+        in_force = self.desired[0]
+        self.part.stage(self.desired.ports[0].index, 1e6)  # past the check of Inputs
+        self.part.write()
+        with self.assertRaises(visum.Error) as refusal:
+            self.part.read()
+        self.assertEqual(visum.ErrorCode.BAD_VALUE, refusal.exception.code)
+        self.assertEqual(in_force, self.desired[0])
+        self.part.release()
+
+    def test_without_the_lease_a_sample_brings_back_what_is_in_force(self):
+        in_force = self.desired[0]
+        self.desired[0] = in_force + 0.5
+        self.part.read()
+        self.assertEqual(in_force, self.desired[0])
+
+    def test_outputs_are_those_of_the_sample(self):
+        outputs = self.part.outputs("Actual Angle")
+        self.assertEqual([self.part.output_values[port.index] for port in outputs.ports], outputs.values())
+        kept = self.part.output_values
+        before, tick = list(kept), self.part.sample_tick
+        self.client.join()
+        with self.part.lease():
+            for joint in range(len(self.desired)):
+                self.desired[joint] = self.desired[joint] + 0.2
+            self.part.write()
+            self.client.advance_ticks(200)
+        self.assertEqual(tick + 200, self.part.sample_tick)
+        self.assertEqual(before, list(kept))
+        self.assertNotEqual(before, list(self.part.output_values))
 
 
 class ScriptedSocket:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
 from visum.connection import VERSION, Connection, TlsFiles, pb, refusal_of
 from visum.errors import Error, ErrorCode, nearest_hint, unknown_name
 from visum.part import ParameterValue, Part, parameter_value
+from visum.request_bytes import request_bytes
 from visum.token_file import read_token_file
 from visum.world import World, WorldView
 
@@ -104,9 +106,11 @@ class Client:
         """Sends without waiting. settle_writes() reads the answers."""
         if len(self._pending_writes) >= _MAX_PENDING_WRITES:
             self.settle_writes()
+        number = self.connection.send_along(request_bytes(write=write))
         # No tick comes before this member's next advance, which takes the write along.
-        send = self.connection.send_along if self._holds_world else self.connection.send
-        self._pending_writes.append((send(write=write), write))
+        if not self._holds_world:
+            self.connection.flush()
+        self._pending_writes.append((number, write))
 
     def settle(self) -> Error | None:
         """Waits for the answers to all writes under way, and returns the first refusal."""
@@ -160,8 +164,8 @@ class Client:
         self._ahead_ns = ticks * self.server.tick_ns - missing_ns
         if ticks > 0:
             # Everything leaves together, so that the server is woken once.
-            self._advance = [self.connection.send_along(advance=pb.Advance(ticks=ticks))]
-            self._advance += [self.connection.send_along(read=pb.Read(part=part.name)) for part in self._parts]
+            self._advance = [self.connection.send_along(_advance_bytes(ticks))]
+            self._advance += [self.connection.send_along(part.read_bytes) for part in self._parts]
             self.connection.flush()
 
     def finish_advance(self) -> None:
@@ -392,6 +396,11 @@ class Client:
 
     def shutdown(self) -> None:
         self.connection.request(shutdown=pb.Shutdown())
+
+
+@lru_cache(maxsize=16)
+def _advance_bytes(ticks: int) -> bytes:
+    return request_bytes(advance=pb.Advance(ticks=ticks))
 
 
 def _level(name: str) -> int:

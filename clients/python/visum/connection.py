@@ -9,7 +9,7 @@ import socket
 import struct
 import time
 from collections import deque
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from visum.busy_wait import BusyWait
 from visum.errors import Error, ErrorCode
@@ -17,8 +17,12 @@ from visum.messages import why_no_messages
 
 try:
     from visum import visum_pb2 as pb
+    from visum.request_bytes import frame, request_bytes
 except ImportError as missing:
     raise ImportError(why_no_messages(missing)) from missing
+
+if TYPE_CHECKING:
+    from google.protobuf.message import Message
 
 VERSION = 1
 MAX_FRAME_BYTES = 64 << 20
@@ -177,18 +181,18 @@ class Connection:
     def closed(self) -> bool:
         return self._socket.fileno() < 0
 
-    def send(self, **request: object) -> int:
+    def send(self, **request: Message) -> int:
         """Sends one request, named as in ClientMessage, and returns the number for take() or wait()."""
-        number = self.send_along(**request)
+        number = self.send_along(request_bytes(**request))
         self.flush()
         return number
 
-    def send_along(self, **request: object) -> int:
-        """As send(), but the request leaves together with the next one that send() sends, or at the next wait."""
+    def send_along(self, request: bytes) -> int:
+        """As send() of what request_bytes() has made, but it leaves with the next request that send() sends, or at the next
+        wait."""
         number = self._next_id
         self._next_id += 1
-        payload = pb.ClientMessage(id=number, **request).SerializeToString()
-        self._unsent += _LENGTH.pack(len(payload)) + payload
+        self._unsent += frame(number, request)
         return number
 
     def flush(self) -> None:
@@ -214,7 +218,7 @@ class Connection:
             raise refusal
         return reply
 
-    def request(self, **request: object) -> pb.ServerMessage:
+    def request(self, **request: Message) -> pb.ServerMessage:
         return self.wait(self.send(**request))
 
     def poll(self) -> None:
@@ -246,14 +250,18 @@ class Connection:
             raise _to_error(message.error)  # an error without a request: the reason why the server closes
 
     def _receive(self) -> pb.ServerMessage:
-        self._fill(_LENGTH.size)
-        (length,) = _LENGTH.unpack_from(self._received)
+        received = self._received
+        if len(received) < _LENGTH.size:
+            self._fill(_LENGTH.size)
+        (length,) = _LENGTH.unpack_from(received)
         if length > MAX_FRAME_BYTES:
             self.close()
             raise Error(ErrorCode.TOO_LARGE, f"the server sent a frame of {length} bytes; the limit is {MAX_FRAME_BYTES}")
-        self._fill(_LENGTH.size + length)
-        message = pb.ServerMessage.FromString(bytes(self._received[_LENGTH.size:_LENGTH.size + length]))
-        del self._received[:_LENGTH.size + length]
+        end = _LENGTH.size + length
+        if len(received) < end:
+            self._fill(end)
+        message = pb.ServerMessage.FromString(bytes(received[_LENGTH.size:end]))
+        del received[:end]
         return message
 
     def _fill(self, size: int) -> None:

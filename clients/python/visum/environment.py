@@ -152,7 +152,7 @@ class Environment(_Base):  # type: ignore[misc, valid-type]
             self.part.read()
         self._started = False
         self.steps, self._ended = 0, False
-        self.action = numpy.array([self.part.input_values[port.index] for port in self._inputs])
+        self.action = numpy.array([self.part.input_value(port.index) for port in self._inputs])
         return self._observe()
 
     def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, Info]:
@@ -192,7 +192,8 @@ class Environment(_Base):  # type: ignore[misc, valid-type]
 
     def _observe(self) -> tuple[Array, Info]:
         assert self.client
-        self.observation = numpy.array([self.part.output_values[port.index] for port in self._outputs])
+        values = self.part.output_values
+        self.observation = numpy.array([values[port.index] for port in self._outputs])
         return self.observation, {"tick": self.part.sample_tick, "sim_time_s": self.part.sample_time_ns * 1e-9}
 
     def close(self) -> None:

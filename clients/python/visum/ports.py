@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from visum.errors import Error, ErrorCode, nearest_hint
@@ -24,9 +24,9 @@ class Port(NamedTuple):
 class Values(Protocol):
     """The values behind Inputs and Outputs. A Part has them; ports.py names them here because it must not import part.py."""
 
-    input_values: list[float]
-    output_values: list[float]
-
+    @property
+    def output_values(self) -> Sequence[float]: ...
+    def input_value(self, index: int) -> float: ...
     def stage(self, index: int, value: float) -> None: ...
 
 
@@ -53,7 +53,8 @@ class Outputs:
         return self._part.output_values[self.ports[i].index]
 
     def __iter__(self) -> Iterator[float]:
-        return (self[i] for i in range(len(self)))
+        values = self._part.output_values
+        return (values[port.index] for port in self.ports)
 
     def values(self) -> list[float]:
         return list(self)
@@ -71,7 +72,7 @@ class Inputs:
         return len(self.ports)
 
     def __getitem__(self, i: int) -> float:
-        return self._part.input_values[self.ports[i].index]
+        return self._part.input_value(self.ports[i].index)
 
     def __iter__(self) -> Iterator[float]:
         return (self[i] for i in range(len(self)))
