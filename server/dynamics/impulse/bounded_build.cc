@@ -54,6 +54,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   h_ = h;
   course_ = &course;
   if (moment != kAfter) course = {};
+  softened_ = false;
   reset();
   add_rows();
   mark_bound();

@@ -291,6 +291,7 @@ bool Rows::is_at_rest(double least, double share, double rest) {
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   island_->changed = start();
+  island_->softened = false;
   island_->rests = island_->solved = is_at_rest(least, share, rest);
   if (island_->rests) return 0.0;
   const bool alone = responses_.empty();
@@ -364,7 +365,7 @@ bool Rows::follow_points(double enough) {
 
 double Rows::sweep_gently(int sweeps) {
   start();
-  island_->rests = island_->solved = false;
+  island_->rests = island_->solved = island_->softened = false;
   island_->changed = true;
   const double missed = sweep(true);
   for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);

@@ -28,8 +28,9 @@ struct RowIsland {
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
   bool solved = false;                // the last solve() left no more than allowed, where it looked last
-  bool changed = false;               // the last solve() has changed the velocities
-  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
+  bool softened = false;          // or took a softened answer, since an exact one would have cost too much
+  bool changed = false;           // the last solve() has changed the velocities
+  std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
 };
 
 // Solves an island of rows with bounds. Order of calls: fill an island, prepare(), then solve() any number of
@@ -239,6 +240,7 @@ class Rows {
   void count_work(std::uint64_t units) const {
     if (work_ != nullptr) work_->take(units);
   }
+  std::uint64_t work_taken() const { return work_ != nullptr ? work_->taken() : 0; }
 
   const Kernels* kernels_;
   RowIsland* island_ = nullptr;  // that was prepared

@@ -5,6 +5,10 @@
 // one. A soft point is the centre of the next point, which has less softness. A point that is not found is
 // sought again with more softness. A soft point need not be exact: it may miss a share kInexact of what the
 // softness before it has left.
+//
+// Thousands of bodies that fall on each other may need more work than a tick may take (work_budget.h), and
+// what a limited step then finds is far from an answer. So free bodies whose solution has cost much take a
+// point that is nearly firm for their answer.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +26,11 @@ constexpr double kInexact = 0.3;
 // more than this share of what the one before it left with the same softness. More points are no help then,
 // so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
+// Units of work, and for each block, after which a point with so little softness is the answer. Where soft
+// points end without one, a share of them counts: the methods that would follow take several times as long,
+// and seldom find more.
+constexpr std::uint64_t kDear = 4'000'000, kDearPerBlock = 1000, kDearAtEnd = 4;
+constexpr double kNearlyFirm = 0.02;
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
 // is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after
@@ -69,12 +78,18 @@ class Softness {
 bool Rows::follow_soft_points(double missed, double least, double share) {
   const bool alone = responses_.empty();
   double enough = std::max(least, share * note_change());
-  double left = std::numeric_limits<double>::infinity(), left_of = 0.0;  // with which softness
+  double left = std::numeric_limits<double>::infinity();
   Softness softness(least_softness());
   bool softened = false, near = false, creeping = false;
   const auto allowed = [&] { return (creeping && alone ? kCreepingMiss : 1.0) * enough; };
+  double point_softness = std::numeric_limits<double>::infinity();  // of the last point that was found
+  const std::uint64_t taken = work_taken(), dear = kDear + kDearPerBlock * blocks_.size();
+  const auto is_enough = [&](std::uint64_t units) {
+    return alone && point_softness <= kNearlyFirm && work_taken() - taken > units;
+  };
   int failures = 0;
   for (int point = 0; point < kMostSoftPoints && !near && failures < kMostFailures; ++point) {
+    if (is_enough(dear)) break;
     softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
@@ -89,16 +104,17 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     // How large the impulses are is known only now.
     enough = std::max(least, share * note_change());
     const double before = std::exchange(left, left_by_softness());
-    creeping = creeping || (left_of == softness.now() && left > kCreeping * before);
-    left_of = softness.now();
+    creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
+    point_softness = softness.now();
     near = left <= allowed();
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  if (!softened) return near;
+  island_->softened = !near && is_enough(dear / kDearAtEnd);
+  if (!softened && !island_->softened) return near;
   if (!near) {
     move_centres(0.0);
-    return false;
+    return island_->softened;
   }
   // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what
   // the one before it has left.

@@ -51,6 +51,7 @@ struct OwnIsland {
   }
   void solve(Rows& rows, int most_sweeps) { rows.solve(most_sweeps, 1e-11, 1e-7, 0.0); }
   bool is_solved() const { return island.solved; }
+  bool is_softened() const { return island.softened; }
   double largest_change() const { return island.largest_change; }
   // Largest difference between the impulses and those that the velocities ask for, m/s.
   double miss() const {
@@ -313,18 +314,17 @@ TEST(Rows, IslandsInTurnHaveTheBitsOfEachAlone) {
 // moves another way.
 class FallingWall {
  public:
-  static constexpr std::size_t kSide = 4;
-
-  FallingWall(double friction, std::mt19937_64& random) : friction_(friction) {
+  FallingWall(double friction, std::mt19937_64& random, std::size_t side = 4, WorkBudget* work = nullptr)
+      : friction_(friction), rows_(kernels(), work) {
     std::uniform_real_distribution<double> any(-1.0, 1.0);
-    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+    for (std::size_t i = 0; i < side * side; ++i) {
       own_.bodies.push_back({1.0, {kInertia, 0.0, 0.0, 0.0, kInertia, 0.0, 0.0, 0.0, kInertia}});
       for (int j = 0; j < 6; ++j) own_.velocities.push_back(any(random) * (j < 3 ? 10.0 : 0.5));
     }
-    for (std::size_t i = 0; i < kSide * kSide; ++i) {
-      if (i < kSide) touch({i}, Vector3d::UnitZ());
-      if (i + kSide < kSide * kSide) touch({i + kSide, i}, Vector3d::UnitZ());
-      if (i % kSide + 1 < kSide) touch({i + 1, i}, Vector3d::UnitX());
+    for (std::size_t i = 0; i < side * side; ++i) {
+      if (i < side) touch({i}, Vector3d::UnitZ());
+      if (i + side < side * side) touch({i + side, i}, Vector3d::UnitZ());
+      if (i % side + 1 < side) touch({i + 1, i}, Vector3d::UnitX());
     }
     own_.prepare(rows_);
   }
@@ -335,6 +335,8 @@ class FallingWall {
   }
 
   double miss() const { return own_.miss() / own_.largest_change(); }  // as a share of the largest change
+  bool is_softened() const { return own_.is_softened(); }
+  std::size_t contacts() const { return own_.blocks.size(); }
 
  private:
   static constexpr double kInertia = 4.0 * kHalf * kHalf / 6.0;
@@ -385,6 +387,35 @@ TEST(Rows, SolvesWallsThatFallToPieces) {
     }
     EXPECT_LE(unsolved, most) << "of " << kWalls << ", with friction " << friction;
     RecordProperty("unsolved_at_" + std::to_string(friction), unsolved);
+  }
+}
+
+// An exact answer would take some 30,000 units for each contact here, which is all that a tick may take.
+TEST(Rows, TakesANearlyFirmAnswerWhereAnExactOneIsDear) {
+  constexpr std::size_t kSide = 16;
+  constexpr std::uint64_t kMostUnits = 10'000;  // for each contact
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 5; ++i) {
+    WorkBudget work;
+    work.start(1'000'000'000);
+    FallingWall wall(1.0, random, kSide, &work);
+    EXPECT_TRUE(wall.solve());
+    EXPECT_TRUE(wall.is_softened()) << "wall " << i;
+    EXPECT_LT(wall.miss(), 0.01) << "wall " << i;
+    EXPECT_LT(work.taken(), kMostUnits * wall.contacts()) << "wall " << i;
+  }
+}
+
+// What is said to be exact is. A smaller wall has time for that.
+TEST(Rows, AnAnswerIsExactUnlessItSaysThatItIsSoft) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 50; ++i) {
+    WorkBudget work;
+    work.start(1'000'000'000);
+    FallingWall wall(1.0, random, 4, &work);
+    const bool solved = wall.solve();
+    EXPECT_FALSE(wall.is_softened()) << "wall " << i;
+    if (solved) EXPECT_LT(wall.miss(), 2e-6) << "wall " << i;
   }
 }
 
