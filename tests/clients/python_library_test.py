@@ -1,5 +1,6 @@
 """The Python package: what it sends and shows, how it waits, what it imports, and that a wrong name is answered with a near one."""
 import ast
+import contextlib
 import importlib.util
 import itertools
 import os
@@ -123,6 +124,12 @@ class RequestBytes(unittest.TestCase):
                     expected = visum_pb2.ClientMessage(id=number, **{field.name: message})
                     self.assertEqual(visum_pb2.ClientMessage.FromString(sent[4:]), expected)
 
+    def test_a_request_of_another_kind_is_refused(self):
+        for wrong in ({"read": visum_pb2.AcquireLease(part="arm")}, {"raed": visum_pb2.Read()}, {"id": visum_pb2.Read()},
+                      {}, {"read": visum_pb2.Read(), "join": visum_pb2.Join()}, {"read": b"arm"}):
+            with self.subTest(wrong), self.assertRaises(TypeError):
+                request_bytes(**wrong)
+
     def test_long_contents_are_whole(self):
         for size in (127, 128, 20_000, 3_000_000):
             write = visum_pb2.WriteBlackboard(part="arm", name="Notes", offset=size, data=b"\xff" * size)
@@ -134,10 +141,26 @@ class Values(unittest.TestCase):
     """What a controller sees of its own inputs."""
 
     def setUp(self):
-        daemon = self.enterContext(Daemon("--clock", "lockstep"))
-        self.client = self.enterContext(visum.Client(daemon.connect))
+        self.daemon = self.enterContext(Daemon("--clock", "lockstep"))
+        self.client = self.enterContext(visum.Client(self.daemon.connect))
         self.part = self.client.part("arm")
         self.desired = self.part.inputs("Desired Angle")
+
+    def write_past_the_check(self, value):
+        """Inputs would not let an impossible value through."""
+        self.part.stage(self.desired.ports[0].index, value)
+        self.part.write()
+
+    def refused(self, call):
+        with self.assertRaises(visum.Error) as refusal:
+            call()
+        self.assertEqual(visum.ErrorCode.BAD_VALUE, refusal.exception.code)
+
+    def in_force(self):
+        self.client.join()
+        self.client.advance_ticks(1)
+        with visum.Client(self.daemon.connect, role="observer") as other:
+            return other.part("arm").inputs("Desired Angle")[0]
 
     def test_a_staged_value_shows_at_once_and_stays_under_the_lease(self):
         self.client.join()
@@ -156,13 +179,33 @@ class Values(unittest.TestCase):
     def test_a_refused_value_gives_way_to_the_one_in_force(self):
         self.part.acquire()
         in_force = self.desired[0]
-        self.part.stage(self.desired.ports[0].index, 1e6)  # past the check of Inputs
-        self.part.write()
-        with self.assertRaises(visum.Error) as refusal:
-            self.part.read()
-        self.assertEqual(visum.ErrorCode.BAD_VALUE, refusal.exception.code)
+        self.write_past_the_check(1e6)
+        self.refused(self.part.read)
+        self.part.read()
         self.assertEqual(in_force, self.desired[0])
-        self.part.release()
+
+    def test_after_a_refusal_a_sign_of_life_commands_nothing_older(self):
+        self.part.acquire()
+        self.desired[0] = 0.3
+        self.part.write()
+        self.part.read()
+        self.write_past_the_check(1e6)
+        self.refused(self.client.settle_writes)
+        with contextlib.suppress(visum.Error):
+            self.part.write()  # repeats the last write
+            self.client.settle_writes()
+        self.assertEqual(0.3, self.in_force())
+
+    def test_a_write_behind_a_refused_one_counts(self):
+        self.part.acquire()
+        self.write_past_the_check(1e6)
+        self.desired[0] = 0.9
+        self.part.write()
+        self.refused(self.client.settle_writes)
+        self.assertEqual(0.9, self.desired[0])
+        self.part.write()
+        self.client.settle_writes()
+        self.assertEqual(0.9, self.in_force())
 
     def test_without_the_lease_a_sample_brings_back_what_is_in_force(self):
         in_force = self.desired[0]
@@ -172,6 +215,7 @@ class Values(unittest.TestCase):
 
     def test_outputs_are_those_of_the_sample(self):
         outputs = self.part.outputs("Actual Angle")
+        self.assertIs(list, type(self.part.output_values))
         self.assertEqual([self.part.output_values[port.index] for port in outputs.ports], outputs.values())
         kept = self.part.output_values
         before, tick = list(kept), self.part.sample_tick

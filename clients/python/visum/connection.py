@@ -6,7 +6,6 @@ import contextlib
 import os
 import select
 import socket
-import struct
 import time
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,9 +16,10 @@ from visum.messages import why_no_messages
 
 try:
     from visum import visum_pb2 as pb
-    from visum.request_bytes import frame, request_bytes
 except ImportError as missing:
     raise ImportError(why_no_messages(missing)) from missing
+
+from visum.request_bytes import LENGTH, frame, request_bytes  # noqa: E402 - needs pb
 
 if TYPE_CHECKING:
     from google.protobuf.message import Message
@@ -29,7 +29,6 @@ MAX_FRAME_BYTES = 64 << 20
 MAX_EVENTS = 1024
 RETRY_PAUSE_S = 0.2  # after a server has closed a connection without a word
 _CHUNK_BYTES = 65536  # of one recv()
-_LENGTH = struct.Struct("<I")
 
 
 def parse_address(text: str) -> tuple[str, int]:
@@ -251,16 +250,16 @@ class Connection:
 
     def _receive(self) -> pb.ServerMessage:
         received = self._received
-        if len(received) < _LENGTH.size:
-            self._fill(_LENGTH.size)
-        (length,) = _LENGTH.unpack_from(received)
+        if len(received) < LENGTH.size:
+            self._fill(LENGTH.size)
+        (length,) = LENGTH.unpack_from(received)
         if length > MAX_FRAME_BYTES:
             self.close()
             raise Error(ErrorCode.TOO_LARGE, f"the server sent a frame of {length} bytes; the limit is {MAX_FRAME_BYTES}")
-        end = _LENGTH.size + length
+        end = LENGTH.size + length
         if len(received) < end:
             self._fill(end)
-        message = pb.ServerMessage.FromString(bytes(received[_LENGTH.size:end]))
+        message = pb.ServerMessage.FromString(bytes(received[LENGTH.size:end]))
         del received[:end]
         return message
 

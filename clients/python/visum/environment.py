@@ -152,7 +152,7 @@ class Environment(_Base):  # type: ignore[misc, valid-type]
             self.part.read()
         self._started = False
         self.steps, self._ended = 0, False
-        self.action = numpy.array([self.part.input_value(port.index) for port in self._inputs])
+        self.action = numpy.array([self.part.input_values[port.index] for port in self._inputs])
         return self._observe()
 
     def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, Info]:

@@ -49,8 +49,12 @@ class Part:
         self.input_ports = _ports(description.controller_inputs)
         self.output_ports = _ports(description.sensor_outputs)
         self.read_bytes = request_bytes(read=pb.Read(part=name))  # the request for a sample
+        self.input_values: list[float] = []
+        self._outputs: Sequence[float] = []
+        self.sample_tick = 0
+        self.sample_time_ns = 0
+        self._era = 0
         self.leased = False
-        self._sample = pb.PartSample()
         self._forget_writes()
         self.read()
 
@@ -63,41 +67,27 @@ class Part:
         return Outputs(self, find_ports(self.name, "sensor output", self.output_ports, group_or_name))
 
     @property
-    def sample_tick(self) -> int:
-        return self._sample.tick
-
-    @property
-    def sample_time_ns(self) -> int:
-        return self._sample.sim_time_ns
-
-    @property
-    def output_values(self) -> Sequence[float]:
-        return self._sample.sensor_outputs
-
-    @property
-    def input_values(self) -> list[float]:
-        return [self.input_value(index) for index in range(len(self.input_ports))]
-
-    def input_value(self, index: int) -> float:
-        ours = self._ours.get(index)
-        return self._sample.controller_inputs[index] if ours is None else ours
+    def output_values(self) -> list[float]:
+        if not isinstance(self._outputs, list):
+            self._outputs = list(self._outputs)  # only now, because many cycles look at none
+        return self._outputs
 
     def stage(self, index: int, value: float) -> None:
         """Remembers a controller input for the next write()."""
-        self._ours[index] = value
+        self._set.add(index)
         self._staged.add(index)
+        self.input_values[index] = value
 
     def write(self) -> None:
         """Sends what was set since the last write, and does not wait. A later call of this client raises a refusal: the next
         advance or read at the latest. If nothing was set, this repeats the last write, as a sign of life for a deadline."""
         self._last_write, self._staged = self._staged or self._last_write, set()
-        for first, run in _runs({index: self.input_value(index) for index in self._last_write}):
+        for first, run in _runs({index: self.input_values[index] for index in self._last_write}):
             self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
 
     def read(self) -> None:
         """Brings the outputs up to date, in one round trip."""
-        number = self._client.connection.send_along(self.read_bytes)
-        self._client.connection.flush()
+        number = self._client.connection.send(read=pb.Read(part=self.name))
         refusal = self._client.settle()
         reply = self._client.connection.take(number)
         if refusal := refusal or refusal_of(reply):
@@ -107,19 +97,24 @@ class Part:
     def apply(self, sample: pb.PartSample) -> None:
         """Takes in a sample. What we have written under the lease stays: nobody else may write then, and the sample may be
         older than our last write. A new era begins with its own values."""
-        if not self.leased or sample.era != self._sample.era:
+        if not self.leased or sample.era != self._era:
             self._forget_writes()
-        self._sample = sample
+        ours = {index: self.input_values[index] for index in self._set}
+        self.input_values = sample.controller_inputs[:]
+        for index, value in ours.items():
+            self.input_values[index] = value
+        self._outputs = sample.sensor_outputs
+        self.sample_tick, self.sample_time_ns, self._era = sample.tick, sample.sim_time_ns, sample.era
 
     def disown(self, indices: Iterable[int]) -> None:
         """Forgets writes that were refused: the next sample has the values in force."""
-        for index in set(indices) - self._staged:
-            self._ours.pop(index, None)
+        self._set -= set(indices) - self._staged
 
     def _forget_writes(self) -> None:
-        self._ours: dict[int, float] = {}  # the inputs that were set since acquire(), by index
-        self._staged: set[int] = set()  # set since the last write()
-        self._last_write: set[int] = set()  # sent by it
+        # Indices of the inputs that were set since acquire(), set since the last write(), and sent by it.
+        self._set: set[int] = set()
+        self._staged: set[int] = set()
+        self._last_write: set[int] = set()
 
     # Lease -----------------------------------------------------------------------------------------------
 
@@ -129,7 +124,7 @@ class Part:
         self._client.connection.request(acquire_lease=pb.AcquireLease(
             part=self.name, deadline_ns=round(deadline_s * 1e9), take=take))
         self.leased = True
-        self._ours = {index: self._ours[index] for index in self._staged}
+        self._set = set(self._staged)
         self.apply(self._client.connection.request(read=pb.Read(part=self.name)).part_sample)
 
     def release(self) -> None:
@@ -143,7 +138,7 @@ class Part:
                 raise
             refusal = refusal or error
         self.leased = False
-        self._staged, self._last_write = set(), set()  # what the part keeps shows until the next sample
+        self._forget_writes()
         if refusal:
             raise refusal
 

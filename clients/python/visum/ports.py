@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple, Protocol
 
 from visum.errors import Error, ErrorCode, nearest_hint
@@ -24,9 +24,10 @@ class Port(NamedTuple):
 class Values(Protocol):
     """The values behind Inputs and Outputs. A Part has them; ports.py names them here because it must not import part.py."""
 
+    input_values: list[float]
+
     @property
-    def output_values(self) -> Sequence[float]: ...
-    def input_value(self, index: int) -> float: ...
+    def output_values(self) -> list[float]: ...
     def stage(self, index: int, value: float) -> None: ...
 
 
@@ -72,7 +73,7 @@ class Inputs:
         return len(self.ports)
 
     def __getitem__(self, i: int) -> float:
-        return self._part.input_value(self.ports[i].index)
+        return self._part.input_values[self.ports[i].index]
 
     def __iter__(self) -> Iterator[float]:
         return (self[i] for i in range(len(self)))

@@ -1,8 +1,8 @@
 """Requests as they stand in a frame.
 
-Encoding a ClientMessage walks through its sixty kinds of requests, which takes several times as long as the one that is there.
-So only that one is encoded by protobuf, and its surroundings are put together here: fields of one message may be encoded one by
-one (https://protobuf.dev/programming-guides/encoding/).
+Debian's protobuf walks through all sixty kinds of requests to encode a ClientMessage, which takes longer than to encode the one
+that is there. So only that one is encoded by protobuf, and its surroundings are put together here: fields of one message may be
+encoded one by one (https://protobuf.dev/programming-guides/encoding/).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from visum import visum_pb2 as pb
 if TYPE_CHECKING:
     from google.protobuf.message import Message
 
-_LENGTH = struct.Struct("<I")  # of a frame
+LENGTH = struct.Struct("<I")  # of a frame
 _HAS_LENGTH = 2  # wire type of fields that are messages
 
 
@@ -29,18 +29,24 @@ def _varint(number: int) -> bytes:
 
 
 _FIELDS = pb.ClientMessage.DESCRIPTOR.fields_by_name
-_KEYS = {name: _varint(field.number << 3 | _HAS_LENGTH) for name, field in _FIELDS.items() if field.message_type}
+_KINDS = {name: (field.message_type, _varint(field.number << 3 | _HAS_LENGTH)) for name, field in _FIELDS.items()
+          if field.message_type}
 _ID_KEY = _varint(_FIELDS["id"].number << 3)
 
 
 def request_bytes(**request: Message) -> bytes:
     """Encodes one request, named as in ClientMessage, but for its number. The bytes may be sent any number of times."""
+    if len(request) != 1 or not request.keys() <= _KINDS.keys():
+        raise TypeError(f"give one request of ClientMessage, not {', '.join(request) or 'none'}")
     ((name, message),) = request.items()
+    kind, key = _KINDS[name]
+    if getattr(message, "DESCRIPTOR", None) is not kind:
+        raise TypeError(f"'{name}' must be a {kind.name}, not a {type(message).__name__}")
     encoded = message.SerializeToString()
-    return _KEYS[name] + _varint(len(encoded)) + encoded
+    return key + _varint(len(encoded)) + encoded
 
 
 def frame(number: int, request: bytes) -> bytes:
     """The frame of a request with its number, as the server expects it."""
     head = _ID_KEY + _varint(number)
-    return _LENGTH.pack(len(head) + len(request)) + head + request
+    return LENGTH.pack(len(head) + len(request)) + head + request

@@ -298,7 +298,6 @@ double Bounded::solve_rows() {
     report();  // the best that was reached
     throw;
   }
-  softened_ = softened_ || system_.softened;
   if (moment_ == kAhead) course_->rests = course_->rests && system_.rests;
   if (moment_ == kAfter)
     for (const std::size_t i : plant_.islands.touches(island_)) plant_.touches[i].rested = system_.rests;

@@ -38,8 +38,9 @@ class Bounded {
   double solve();
   // True if no row missed more than it may after the last solve().
   bool is_solved() const { return system_.solved; }
-  // True if any solution since build() is a softened one, since an exact one would have cost too much.
-  bool is_softened() const { return softened_; }
+  // True if the last solve() ended with an answer that misses more, since an exact one would be dear. The
+  // answer to a hit is always exact.
+  bool is_inexact() const { return system_.inexact; }
   // True if the last solve() has changed any velocity.
   bool has_changed() const { return system_.changed; }
   // Undoes all that solve() has done: impulses go to zero, and bodies without joints get the velocities `v`
@@ -176,7 +177,6 @@ class Bounded {
   std::size_t island_ = 0;
   Course* course_ = nullptr;
   bool apart_ = false;  // takes mechanisms apart, for a limited step
-  bool softened_ = false;
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

@@ -23,6 +23,8 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 // The most steps of the rows' ways to the root, per body of the tree. With more, answers of the whole tree
 // cost less than comparing all ways.
 constexpr std::size_t kMostWaySteps = 60;
+// An answer is dear if it takes half of what a tick may take, which has two of them.
+constexpr std::uint64_t kDearShare = 2;
 constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are still driven apart
 
 }  // namespace
@@ -54,12 +56,12 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   h_ = h;
   course_ = &course;
   if (moment != kAfter) course = {};
-  softened_ = false;
   reset();
   add_rows();
   mark_bound();
   lay_out();
   system_ = {blocks_, velocities_, bodies_, responses_};
+  if (moment != kHit) system_.dear = plant_.work.limit() / kDearShare;
   system_.calm = is_calm();
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());

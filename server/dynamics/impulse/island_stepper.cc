@@ -173,7 +173,7 @@ bool IslandStepper::find_impulses() {
       if (i + 1 < kMostChanges && fate_->broken != nullptr && take_laws_as_rows(fate_->mechanism)) continue;
       return false;
     }
-    report();
+    bounded_.report();
     // Solved, unless a law now takes part in another way. The iterative solver and late repetitions use rows.
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
     if (!change_laws(plant_, island_, kAhead, plan_.h, as_rows)) return true;
@@ -182,15 +182,10 @@ bool IslandStepper::find_impulses() {
   return true;
 }
 
-void IslandStepper::report() {
-  bounded_.report();
-  fate_->fell_short = fate_->fell_short || bounded_.is_softened();
-}
-
 void IslandStepper::hit() {
   bounded_.build(island_, kHit, plan_.h, fate_->course);
   if (bounded_.has_rows()) bounded_.bounce();
-  report();
+  bounded_.report();
   plant_.for_axes(island_, [&](Axis& axis) { axis.rate = plant_.rate(axis); });
 }
 
@@ -297,7 +292,8 @@ bool IslandStepper::find_velocities() {
     each_awake([&](std::size_t m) { match_velocities(m); });
     bounded_.build(island_, kAfter, plan_.h, fate_->course);
     if (bounded_.has_rows()) bounded_.solve();
-    report();
+    fate_->fell_short = fate_->fell_short || bounded_.is_inexact();
+    bounded_.report();
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
     if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;
     if (i + 1 == kMostChanges) return false;

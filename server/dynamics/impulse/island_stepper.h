@@ -126,8 +126,6 @@ class IslandStepper {
   bool find_impulses();
   // Sets everything back to where the look-ahead starts, and brings poses and factors up to date.
   void begin_ahead(bool again);
-  // Hands on the rows' impulses, and whether they are those of an exact solution.
-  void report();
   // Solves the collisions at t.
   void hit();
   // Looks ahead and closes the joints of all mechanisms, with rows where there are any. False: no solution.

@@ -291,7 +291,7 @@ bool Rows::is_at_rest(double least, double share, double rest) {
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   island_->changed = start();
-  island_->softened = false;
+  island_->inexact = false;
   island_->rests = island_->solved = is_at_rest(least, share, rest);
   if (island_->rests) return 0.0;
   const bool alone = responses_.empty();
@@ -314,7 +314,9 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   if (softly && at_first) {
     missed = largest_miss();
     island_->solved = follow_soft_points(missed, least, share);
-    if (island_->solved) return missed;
+    // Newton's last step may leave impulses a little beyond their bounds, where sweeps leave none.
+    if (island_->inexact) sweep_often(2, 0.0);
+    if (island_->solved || island_->inexact) return missed;
   }
   // One sweep tells which rows are at their bounds, and how large the changes are.
   missed = std::max(missed, sweep(true));
@@ -365,7 +367,7 @@ bool Rows::follow_points(double enough) {
 
 double Rows::sweep_gently(int sweeps) {
   start();
-  island_->rests = island_->solved = island_->softened = false;
+  island_->rests = island_->solved = island_->inexact = false;
   island_->changed = true;
   const double missed = sweep(true);
   for (int k = 1; k < sweeps; ++k) sweep(k % 2 == 0);

@@ -28,9 +28,10 @@ struct RowIsland {
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
   bool solved = false;                // the last solve() left no more than allowed, where it looked last
-  bool softened = false;          // or took a softened answer, since an exact one would have cost too much
-  bool changed = false;           // the last solve() has changed the velocities
-  std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
+  std::uint64_t dear = UINT64_MAX;    // work of a solution after which free bodies take an inexact answer
+  bool inexact = false;               // the last solve() took one
+  bool changed = false;               // the last solve() has changed the velocities
+  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
 };
 
 // Solves an island of rows with bounds. Order of calls: fill an island, prepare(), then solve() any number of
@@ -59,7 +60,8 @@ class Rows {
   void prepare(RowIsland& island);
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
   // rad/s), or more than `share` of the island's largest change; free bodies that are jammed may miss ten
-  // times that (rows_soft.cc). Returns the largest miss at the start, or of the first sweep. Does nothing if
+  // times that (rows_soft.cc), and what comes near an answer may be taken if an exact one is dear
+  // (RowIsland). Returns the largest miss at the start, or of the first sweep. Does nothing if
   // the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
@@ -114,8 +116,10 @@ class Rows {
   // not found, or where they are used up.
   bool follow_points(double enough);
   // rows_soft.cc: the same from soft points on, without rolling friction. The rows miss by `missed` at the
-  // start, and may miss as solve() says at the end.
+  // start, and may miss as solve() says at the end. Notes whether an inexact answer is taken.
   bool follow_soft_points(double missed, double least, double share);
+  // The last of them. Points may miss `enough` and, where impulses creep, `allowed`.
+  bool follow_firm_points(double enough, double allowed);
   bool has(RowBlock::Kind kind) const;
   // Alternates sweeps with solutions at once for one proximal point. Returns the largest miss.
   double settle(double enough);

@@ -7,8 +7,9 @@
 // softness before it has left.
 //
 // Thousands of bodies that fall on each other may need more work than a tick may take (work_budget.h), and
-// what a limited step then finds is far from an answer. So free bodies whose solution has cost much take a
-// point that is nearly firm for their answer.
+// what a limited step then finds is far from an answer. So free bodies whose solution has cost a good part of
+// that take a point that is nearly firm for their answer. Where soft points end without an answer, less is
+// enough: the methods that would follow take several times as long, and seldom find more.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,11 +27,8 @@ constexpr double kInexact = 0.3;
 // more than this share of what the one before it left with the same softness. More points are no help then,
 // so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
-// Units of work, and for each block, after which a point with so little softness is the answer. Where soft
-// points end without one, a share of them counts: the methods that would follow take several times as long,
-// and seldom find more.
-constexpr std::uint64_t kDear = 4'000'000, kDearPerBlock = 1000, kDearAtEnd = 4;
-constexpr double kNearlyFirm = 0.02;
+constexpr double kNearlyFirm = 0.02;     // softness of a point that may be an inexact answer
+constexpr std::uint64_t kLessAtEnd = 4;  // share of the work that makes an answer dear
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
 // is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after
@@ -83,13 +81,13 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
   bool softened = false, near = false, creeping = false;
   const auto allowed = [&] { return (creeping && alone ? kCreepingMiss : 1.0) * enough; };
   double point_softness = std::numeric_limits<double>::infinity();  // of the last point that was found
-  const std::uint64_t taken = work_taken(), dear = kDear + kDearPerBlock * blocks_.size();
+  const std::uint64_t taken = work_taken();
   const auto is_enough = [&](std::uint64_t units) {
     return alone && point_softness <= kNearlyFirm && work_taken() - taken > units;
   };
   int failures = 0;
   for (int point = 0; point < kMostSoftPoints && !near && failures < kMostFailures; ++point) {
-    if (is_enough(dear)) break;
+    if (is_enough(island_->dear)) break;
     softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
@@ -110,18 +108,21 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  island_->softened = !near && is_enough(dear / kDearAtEnd);
-  if (!softened && !island_->softened) return near;
-  if (!near) {
+  if (softened && near)
+    near = follow_firm_points(enough, allowed());
+  else if (softened)
     move_centres(0.0);
-    return island_->softened;
-  }
-  // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what
-  // the one before it has left.
+  island_->inexact = !near && is_enough(island_->dear / kLessAtEnd);
+  return near;
+}
+
+// Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what the
+// one before it has left.
+bool Rows::follow_firm_points(double enough, double allowed) {
   for (int point = 0; point < kMostLastPoints; ++point) {
     move_centres(0.0);
-    if (!(newton(enough, kMostNewtonPasses, true) <= allowed())) return false;
-    if (left_by_softness() <= allowed()) return true;
+    if (!(newton(enough, kMostNewtonPasses, true) <= allowed)) return false;
+    if (left_by_softness() <= allowed) return true;
   }
   move_centres(0.0);
   return false;

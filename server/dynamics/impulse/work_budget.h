@@ -11,6 +11,9 @@
 //                                loops, and are faster than those of a row
 //   a pass over a mechanism      kPerNode for each body, and the rows of its loops (Mechanism::units)
 //   building rows, free flight   kPerTouch for each contact, kPerBody for each body (Bounded, Stepper)
+//
+// Bits depend on these counts: an answer that has cost much may be an inexact one (RowIsland). So what a
+// solution counts depends on nothing but its island: not on the thread, nor on what a buffer has held before.
 #pragma once
 
 #include <cstddef>
@@ -36,6 +39,7 @@ class alignas(64) WorkBudget {
     if (units > left_) throw WorkSpent{};
     left_ -= units;
   }
+  std::uint64_t limit() const { return limit_; }
   std::uint64_t left() const { return left_; }
   std::uint64_t taken() const { return limit_ - left_; }  // since start()
 
