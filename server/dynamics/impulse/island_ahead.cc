@@ -254,7 +254,8 @@ IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
     if (!std::isfinite(moved)) return Closed::kNo;
     fate_->followed = may_follow && follow_rows();
     if (fate_->followed && bounded_.is_solved()) return Closed::kYes;
-    if (closed && bounded_.is_inexact()) return Closed::kNearly;
+    fate_->inexact = bounded_.is_inexact();
+    if (closed && fate_->inexact) return Closed::kNearly;
     if (closed && (gently || moved <= plan_.bounds.d_max)) return Closed::kYes;
   }
   // The passes are used up: what is near enough goes on, unless shorter steps may do better.

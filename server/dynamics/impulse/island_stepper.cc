@@ -201,7 +201,7 @@ bool IslandStepper::is_worked_on() {
 }
 
 void IslandStepper::note_energy() {
-  fate_->watched = bounded_.has_rows() && !mechanisms().empty() && !is_worked_on();
+  fate_->watched = bounded_.has_rows() && !is_worked_on();
   if (!fate_->watched) return;
   const Energy now = energy();
   fate_->energy_before = now.kinetic + now.potential;
@@ -221,8 +221,9 @@ IslandStepper::Energy IslandStepper::energy() const {
 
 // A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
 // overlapping bodies apart takes. Then all motion of the island is slowed down alike, which joints allow.
+// Where there are no joints, solutions are exact but for those that say so.
 void IslandStepper::give_back_energy() {
-  if (!fate_->watched) return;
+  if (!fate_->watched || (mechanisms().empty() && !fate_->inexact)) return;
   const Energy now = energy();
   const double gained = now.kinetic + now.potential - fate_->energy_before;
   if (!(gained > kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight)) return;
@@ -292,7 +293,8 @@ bool IslandStepper::find_velocities() {
     each_awake([&](std::size_t m) { match_velocities(m); });
     bounded_.build(island_, kAfter, plan_.h, fate_->course);
     if (bounded_.has_rows()) bounded_.solve();
-    fate_->fell_short = fate_->fell_short || bounded_.is_inexact();
+    fate_->inexact = fate_->inexact || bounded_.is_inexact();
+    fate_->fell_short = fate_->fell_short || fate_->inexact;
     bounded_.report();
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
     if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;

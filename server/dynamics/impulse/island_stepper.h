@@ -33,6 +33,7 @@ struct IslandFate {
   std::size_t mechanism = 0;          // its own
   bool fell_short = false;
   bool followed = false;  // the look-ahead has followed the last answers
+  bool inexact = false;   // an answer of the rows is
   bool held = false;      // of a limited step: its joints do not close, so that it stays where it was
   Course course;
   // Where nothing but gravity does work on joints with rows: the energy before the look-ahead, J.
