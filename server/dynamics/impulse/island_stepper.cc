@@ -226,7 +226,9 @@ void IslandStepper::give_back_energy() {
   if (!fate_->watched || (mechanisms().empty() && !fate_->inexact)) return;
   const Energy now = energy();
   const double gained = now.kinetic + now.potential - fate_->energy_before;
-  if (!(gained > kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight)) return;
+  const double allowed =
+      fate_->inexact ? 0.0 : kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight;
+  if (!(gained > allowed)) return;
   // Takes the gain out of the kinetic energy.
   const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bodies()) {

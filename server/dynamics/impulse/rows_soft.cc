@@ -27,7 +27,7 @@ constexpr double kInexact = 0.3;
 // more than this share of what the one before it left with the same softness. More points are no help then,
 // so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
-constexpr double kNearlyFirm = 0.02;     // softness of a point that may be an inexact answer
+constexpr double kNearlyFirm = 0.002;    // softness of a point that may be an inexact answer
 constexpr std::uint64_t kLessAtEnd = 4;  // share of the work that makes an answer dear
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
