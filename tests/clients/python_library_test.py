@@ -138,7 +138,7 @@ class RequestBytes(unittest.TestCase):
 
 
 class Values(unittest.TestCase):
-    """What a controller sees of its own inputs."""
+    """A part shows its controller the inputs that it has set, and the outputs of the newest sample."""
 
     def setUp(self):
         self.daemon = self.enterContext(Daemon("--clock", "lockstep"))

@@ -128,14 +128,13 @@ TEST(Threads, LeaveTheSameBitsInPiles) {
   expect_same(physics::piles(setting(), kTick, 4, 10), 400);
 }
 
-// Whether an answer is dear depends on the work that it has taken.
+// An answer is dear by the work that it has taken.
 TEST(Threads, LeaveTheSameBitsWhereAnswersAreInexact) {
   ModelBuilder b(setting(200'000));
   b.model = physics::piles(setting(200'000), kTick, 1, 60);
   for (int i = 0; i < 6; ++i)
     b.add_box("box_apart_" + std::to_string(i), {0.2, 0.2, 0.2}, 1.0, at(20.0 + i, 0, 0.2 + 0.05 * i));
-  const auto one = expect_same(b.model, 1000, true);
-  EXPECT_GT(one.warned, one.limited);
+  EXPECT_GT(expect_same(b.model, 1000).warned, 0);
 }
 
 TEST(Threads, LeaveTheSameBitsInTowers) {
