@@ -165,7 +165,7 @@ class Client:
         if ticks > 0:
             # Everything leaves together, so that the server is woken once.
             self._advance = [self.connection.send_along(_advance_bytes(ticks))]
-            self._advance += [self.connection.send_along(part.read_bytes) for part in self._parts]
+            self._advance += [self.connection.send_along(part.read_request) for part in self._parts]
             self.connection.flush()
 
     def finish_advance(self) -> None:

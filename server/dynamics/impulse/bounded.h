@@ -38,8 +38,8 @@ class Bounded {
   double solve();
   // True if no row missed more than it may after the last solve().
   bool is_solved() const { return system_.solved; }
-  // True if the last solve() ended with an answer that misses more, since an exact one would be dear. The
-  // answer to a hit is always exact.
+  // True if the last solve() ended with an answer that misses more, since an exact one would be dear. A hit
+  // never takes such an answer.
   bool is_inexact() const { return system_.inexact; }
   // True if the last solve() has changed any velocity.
   bool has_changed() const { return system_.changed; }

@@ -23,8 +23,9 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 // The most steps of the rows' ways to the root, per body of the tree. With more, answers of the whole tree
 // cost less than comparing all ways.
 constexpr std::size_t kMostWaySteps = 60;
-// An answer is dear if it takes half of what a tick may take, which has two of them.
-constexpr std::uint64_t kDearShare = 2;
+// An answer is dear if it takes a quarter of what a tick may take: a tick has two of them, which may take
+// more until they end, and hits.
+constexpr std::uint64_t kDearShare = 4;
 constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are still driven apart
 
 }  // namespace

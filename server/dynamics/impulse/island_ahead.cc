@@ -253,8 +253,8 @@ IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
     moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(plan_.h) * bounded_.solve();
     if (!std::isfinite(moved)) return Closed::kNo;
     fate_->followed = may_follow && follow_rows();
-    if (fate_->followed && bounded_.is_solved()) return Closed::kYes;
     fate_->inexact = bounded_.is_inexact();
+    if (fate_->followed && bounded_.is_solved()) return Closed::kYes;
     if (closed && fate_->inexact) return Closed::kNearly;
     if (closed && (gently || moved <= plan_.bounds.d_max)) return Closed::kYes;
   }

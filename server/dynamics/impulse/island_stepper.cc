@@ -8,6 +8,7 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr int kMostChanges = 12;    // repetitions because laws reached or left their limit
+constexpr std::size_t kMany = 64;   // contacts of free bodies, whose answer may be dear
 constexpr double kMostGain = 0.02;  // share of the kinetic energy: rounding gains less than this
 constexpr int kFreeChanges = 2;     // repetitions before a law that still changes becomes a row
 
@@ -150,6 +151,7 @@ bool IslandStepper::foresee(std::size_t island, IslandFate& fate) {
 // Everything is undone that an earlier try has given.
 void IslandStepper::begin_ahead(bool again) {
   if (again) restore_velocities();
+  fate_->inexact = false;
   reset_impulses(plant_, island_);
   for (const std::size_t m : mechanisms()) plant_.mechanisms[m].begin_step(plan_.h);
   push();
@@ -201,7 +203,8 @@ bool IslandStepper::is_worked_on() {
 }
 
 void IslandStepper::note_energy() {
-  fate_->watched = bounded_.has_rows() && !is_worked_on();
+  const bool may_gain = !mechanisms().empty() || plant_.islands.touches(island_).size() >= kMany;
+  fate_->watched = may_gain && bounded_.has_rows() && !is_worked_on();
   if (!fate_->watched) return;
   const Energy now = energy();
   fate_->energy_before = now.kinetic + now.potential;
@@ -221,14 +224,12 @@ IslandStepper::Energy IslandStepper::energy() const {
 
 // A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
 // overlapping bodies apart takes. Then all motion of the island is slowed down alike, which joints allow.
-// Where there are no joints, solutions are exact but for those that say so.
+// Free bodies are watched after an inexact answer only.
 void IslandStepper::give_back_energy() {
   if (!fate_->watched || (mechanisms().empty() && !fate_->inexact)) return;
   const Energy now = energy();
   const double gained = now.kinetic + now.potential - fate_->energy_before;
-  const double allowed =
-      fate_->inexact ? 0.0 : kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight;
-  if (!(gained > allowed)) return;
+  if (!(gained > kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight)) return;
   // Takes the gain out of the kinetic energy.
   const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bodies()) {
@@ -295,8 +296,7 @@ bool IslandStepper::find_velocities() {
     each_awake([&](std::size_t m) { match_velocities(m); });
     bounded_.build(island_, kAfter, plan_.h, fate_->course);
     if (bounded_.has_rows()) bounded_.solve();
-    fate_->inexact = fate_->inexact || bounded_.is_inexact();
-    fate_->fell_short = fate_->fell_short || fate_->inexact;
+    if (bounded_.is_inexact()) fate_->inexact = fate_->fell_short = true;
     bounded_.report();
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
     if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;

@@ -33,10 +33,11 @@ struct IslandFate {
   std::size_t mechanism = 0;          // its own
   bool fell_short = false;
   bool followed = false;  // the look-ahead has followed the last answers
-  bool inexact = false;   // an answer of the rows is
+  bool inexact = false;   // the answer of the look-ahead or at t+h is (Bounded::is_inexact)
   bool held = false;      // of a limited step: its joints do not close, so that it stays where it was
   Course course;
-  // Where nothing but gravity does work on joints with rows: the energy before the look-ahead, J.
+  // Where nothing but gravity does work on joints with rows, or on many contacts: the energy before the
+  // look-ahead, J.
   bool watched = false;
   double energy_before = 0.0;
 };

@@ -62,6 +62,7 @@ void invert_tangents(RowBlock& block) {
 
 void Rows::prepare(RowIsland& island) {
   island_ = &island;
+  begun_ = work_taken();
   blocks_ = island.blocks;
   velocities_ = island.velocities;
   bodies_ = island.bodies;

@@ -28,7 +28,7 @@ struct RowIsland {
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
   bool solved = false;                // the last solve() left no more than allowed, where it looked last
-  std::uint64_t dear = UINT64_MAX;    // work of a solution after which free bodies take an inexact answer
+  std::uint64_t dear = UINT64_MAX;    // work since prepare() after which free bodies take an inexact answer
   bool inexact = false;               // the last solve() took one
   bool changed = false;               // the last solve() has changed the velocities
   std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
@@ -254,6 +254,7 @@ class Rows {
   std::span<const FreeBody> bodies_;
   std::span<const double> responses_;
   WorkBudget* work_;
+  std::uint64_t begun_ = 0;  // work_taken() in prepare()
   std::vector<Row> active_;
   std::vector<double> active_softness_;  // since factor_active()
   std::vector<Group> groups_;

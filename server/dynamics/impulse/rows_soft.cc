@@ -28,7 +28,7 @@ constexpr double kInexact = 0.3;
 // so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
 constexpr double kNearlyFirm = 0.002;    // softness of a point that may be an inexact answer
-constexpr std::uint64_t kLessAtEnd = 4;  // share of the work that makes an answer dear
+constexpr std::uint64_t kLessAtEnd = 4;  // divides the work that makes an answer dear
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
 // is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after
@@ -81,9 +81,8 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
   bool softened = false, near = false, creeping = false;
   const auto allowed = [&] { return (creeping && alone ? kCreepingMiss : 1.0) * enough; };
   double point_softness = std::numeric_limits<double>::infinity();  // of the last point that was found
-  const std::uint64_t taken = work_taken();
   const auto is_enough = [&](std::uint64_t units) {
-    return alone && point_softness <= kNearlyFirm && work_taken() - taken > units;
+    return alone && point_softness <= kNearlyFirm && work_taken() - begun_ > units;
   };
   int failures = 0;
   for (int point = 0; point < kMostSoftPoints && !near && failures < kMostFailures; ++point) {

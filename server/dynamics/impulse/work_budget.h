@@ -12,8 +12,9 @@
 //   a pass over a mechanism      kPerNode for each body, and the rows of its loops (Mechanism::units)
 //   building rows, free flight   kPerTouch for each contact, kPerBody for each body (Bounded, Stepper)
 //
-// Bits depend on these counts: an answer that has cost much may be an inexact one (RowIsland). So what a
-// solution counts depends on nothing but its island: not on the thread, nor on what a buffer has held before.
+// Bits depend on these counts and on the limit: an answer that has cost much may be an inexact one
+// (RowIsland). So what a solution counts depends on nothing but its island: not on the thread, nor on what a
+// buffer has held before.
 #pragma once
 
 #include <cstddef>

@@ -254,9 +254,9 @@ TEST(WorkLimit, IsMetByNothingThatIsUsual) {
 // Free bodies take answers that come near before a tick must be limited. Those gain no energy either, beyond
 // what lifts overlapping bodies apart.
 TEST(WorkLimit, APileNearItTakesInexactAnswersFirst) {
-  constexpr double kLifted = 5e-3;  // J
+  constexpr double kLifted = 0.02;  // J
   Lab lab(physics::piles(impulse(200'000), 1e-3, 1, 60));
-  double before = lab.kinetic_energy() + potential_energy(lab);
+  double least = lab.kinetic_energy() + potential_energy(lab);
   int inexact = 0, limited = 0;
   for (int tick = 0; tick < 1500; ++tick) {
     const StepResult result = lab.step();
@@ -264,23 +264,20 @@ TEST(WorkLimit, APileNearItTakesInexactAnswersFirst) {
     limited += result.limited;
     inexact += result.warned && !result.limited;
     const double now = lab.kinetic_energy() + potential_energy(lab);
-    ASSERT_LE(now, before + kLifted) << "tick " << tick;
-    before = now;
+    ASSERT_LE(now, least + kLifted) << "tick " << tick;
+    least = std::min(least, now);
   }
   EXPECT_GE(inexact, 10);
   EXPECT_LT(limited, inexact);
 }
 
-// It has 10,000 contacts, and its first tick needs 80 million units: more than a small scene may take.
+// It has 10,000 contacts, whose impulses are not known at first: the first tick takes an inexact answer.
 TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
   Lab lab(physics::wall(impulse(0), 1e-3, 36, 36));
-  for (int tick = 0; tick < 2; ++tick) {
+  for (int tick = 0; tick < 3; ++tick) {
     const StepResult result = lab.step();
-    EXPECT_FALSE(result.limited);
-    EXPECT_FALSE(result.warned);
-    if (tick == 0) {
-      EXPECT_GT(result.work, 50'000'000u);
-    }
+    EXPECT_FALSE(result.limited) << "tick " << tick;
+    EXPECT_EQ(result.warned, tick == 0) << "tick " << tick;
   }
   for (const auto& body : lab.state.bodies) EXPECT_LT(body.v_WC.norm(), 1e-4);
 }
