@@ -164,7 +164,7 @@ class Client:
         self._ahead_ns = ticks * self.server.tick_ns - missing_ns
         if ticks > 0:
             # Everything leaves together, so that the server is woken once.
-            self._advance = [self.connection.send_along(_advance_bytes(ticks))]
+            self._advance = [self.connection.send_along(_advance_request(ticks))]
             self._advance += [self.connection.send_along(part.read_request) for part in self._parts]
             self.connection.flush()
 
@@ -399,7 +399,7 @@ class Client:
 
 
 @lru_cache(maxsize=16)
-def _advance_bytes(ticks: int) -> bytes:
+def _advance_request(ticks: int) -> bytes:
     return request_bytes(advance=pb.Advance(ticks=ticks))
 
 

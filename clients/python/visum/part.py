@@ -48,7 +48,7 @@ class Part:
         self.kind: str = description.kind
         self.input_ports = _ports(description.controller_inputs)
         self.output_ports = _ports(description.sensor_outputs)
-        self.read_request = request_bytes(read=pb.Read(part=name))  # the request for a sample
+        self.read_request = request_bytes(read=pb.Read(part=name))  # sent in each period, so made once
         self.input_values: list[float] = []
         self._outputs: Sequence[float] = []
         self.sample_tick = 0

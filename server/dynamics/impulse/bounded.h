@@ -38,8 +38,8 @@ class Bounded {
   double solve();
   // True if no row missed more than it may after the last solve().
   bool is_solved() const { return system_.solved; }
-  // True if the last solve() ended with an answer that misses more, since an exact one would be dear. A hit
-  // never takes such an answer.
+  // True if the last solve() ended with an answer that misses more, since an exact one would be dear. Hits
+  // and bodies that stand never take such an answer.
   bool is_inexact() const { return system_.inexact; }
   // True if the last solve() has changed any velocity.
   bool has_changed() const { return system_.changed; }
@@ -85,6 +85,8 @@ class Bounded {
   void add_rows();
   // True if nothing in the island is driven out of an overlap.
   bool is_calm() const;
+  // True if no body without joints moves faster than it would fall in two steps.
+  bool stands() const;
   // Adds the three rows of a contact, and those of its twist.
   void add_touch(std::size_t index);
   // Adds the rows of rolling and torsional friction; comes right after its contact.

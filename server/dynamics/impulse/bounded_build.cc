@@ -23,10 +23,11 @@ void put(std::array<double, 6>& row, const Vector3d& angular, const Vector3d& li
 // The most steps of the rows' ways to the root, per body of the tree. With more, answers of the whole tree
 // cost less than comparing all ways.
 constexpr std::size_t kMostWaySteps = 60;
-// An answer is dear if it takes a quarter of what a tick may take: a tick has two of them, which may take
-// more until they end, and hits.
+// An answer is dear if it takes a quarter of what a tick may take. A tick has two of them, and each goes on
+// to the end of its point.
 constexpr std::uint64_t kDearShare = 4;
-constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are still driven apart
+constexpr double kStandingSteps = 2.0;  // of falling: what moves faster does not stand
+constexpr double kCalmM = 1e-5;         // a deeper overlap is a hit whose bodies are still driven apart
 
 }  // namespace
 
@@ -62,8 +63,9 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   mark_bound();
   lay_out();
   system_ = {blocks_, velocities_, bodies_, responses_};
-  if (moment != kHit) system_.dear = plant_.work.limit() / kDearShare;
   system_.calm = is_calm();
+  // Errors of rest would add up, so what stands is solved exactly.
+  if (moment != kHit && !stands()) system_.dear = plant_.work.limit() / kDearShare;
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);
@@ -72,6 +74,11 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
 bool Bounded::is_calm() const {
   return std::ranges::all_of(plant_.islands.touches(island_),
                              [&](std::size_t i) { return plant_.touches[i].depth < kCalmM; });
+}
+
+bool Bounded::stands() const {
+  const double fastest = kStandingSteps * plant_.model.gravity.norm() * std::abs(h_);
+  return std::ranges::all_of(slotted_, [&](std::size_t i) { return plant_.bodies.v[i].norm() <= fastest; });
 }
 
 void Bounded::add_rows() {

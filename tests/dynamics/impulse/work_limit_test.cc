@@ -271,13 +271,16 @@ TEST(WorkLimit, APileNearItTakesInexactAnswersFirst) {
   EXPECT_LT(limited, inexact);
 }
 
-// It has 10,000 contacts, whose impulses are not known at first: the first tick takes an inexact answer.
+// It has 10,000 contacts, and its first tick needs 80 million units: more than a small scene may take.
 TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
   Lab lab(physics::wall(impulse(0), 1e-3, 36, 36));
-  for (int tick = 0; tick < 3; ++tick) {
+  for (int tick = 0; tick < 2; ++tick) {
     const StepResult result = lab.step();
-    EXPECT_FALSE(result.limited) << "tick " << tick;
-    EXPECT_EQ(result.warned, tick == 0) << "tick " << tick;
+    EXPECT_FALSE(result.limited);
+    EXPECT_FALSE(result.warned);
+    if (tick == 0) {
+      EXPECT_GT(result.work, 50'000'000u);
+    }
   }
   for (const auto& body : lab.state.bodies) EXPECT_LT(body.v_WC.norm(), 1e-4);
 }
