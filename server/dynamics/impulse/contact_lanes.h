@@ -21,6 +21,8 @@ class ContactLanes {
   // must then stay.
   void lay_out(std::span<const RowBlock> blocks);
   std::span<const std::size_t> others() const { return others_; }  // the blocks that are not taken
+  // Takes what stays while impulses are sought: targets, bounds, softness and its centres.
+  void take_settings(std::span<const RowBlock> blocks);
   // Puts into `errors`, by block, how much each row of those contacts misses now, m/s.
   void find_errors(std::span<const RowBlock> blocks, const double* velocities,
                    std::span<std::array<double, 3>> errors);

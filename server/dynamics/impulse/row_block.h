@@ -87,4 +87,15 @@ inline bool is_rigid(const RowBlock& block) {
   return !(stiffness_of(block) > kRigid * block.free_response);
 }
 
+// True if two ends, or two blocks, share a body or mechanism.
+inline bool meet(const RowEnd& a, const RowEnd& b) {
+  return a.free == b.free && a.offset == b.offset;
+}
+inline bool meet(const RowBlock& a, const RowBlock& b) {
+  for (std::size_t i = 0; i < a.end_count; ++i)
+    for (std::size_t j = 0; j < b.end_count; ++j)
+      if (meet(a.ends[i], b.ends[j])) return true;
+  return false;
+}
+
 }  // namespace visum::dynamics::impulse

@@ -67,7 +67,7 @@ void Rows::prepare(RowIsland& island) {
   velocities_ = island.velocities;
   bodies_ = island.bodies;
   responses_ = island.responses;
-  has_pairs_ = has_lanes_ = has_factor_ = false;
+  has_pairs_ = has_places_ = has_lanes_ = has_factor_ = false;
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
   for (RowBlock& block : blocks_) {
@@ -91,6 +91,7 @@ double Rows::least_softness() const {
 
 // The proximal softness follows from K. Both tangents get the same value.
 void Rows::hold_softly(double share) {
+  has_settings_ = false;
   const double beyond = share > least_softness() ? share : 0.0;
   for (RowBlock& block : blocks_) {
     if (block.kind == RowBlock::Kind::kBounded) {
@@ -105,6 +106,7 @@ void Rows::hold_softly(double share) {
 }
 
 void Rows::soften(double share) {
+  has_settings_ = false;
   for (RowBlock& block : blocks_) {
     for (std::size_t i = 0; i < block.dim; ++i) block.softness[i] += share * block.free_response;
     if (block.kind != RowBlock::Kind::kBounded) invert_tangents(block);
@@ -229,6 +231,8 @@ void Rows::find_errors() {
   errors_.resize(blocks_.size());
   const auto look_at = [&](std::size_t i) { errors_[i] = errors(blocks_[i]); };
   if (has_lanes_) {
+    if (!has_settings_) contact_lanes_.take_settings(blocks_);
+    has_settings_ = true;
     contact_lanes_.find_errors(blocks_, velocities_.data(), errors_);
     std::ranges::for_each(contact_lanes_.others(), look_at);
   } else {
@@ -237,8 +241,10 @@ void Rows::find_errors() {
 }
 
 void Rows::lay_out_contacts() {
-  if (!has_lanes_) contact_lanes_.lay_out(blocks_);
+  if (has_lanes_) return;
+  contact_lanes_.lay_out(blocks_);
   has_lanes_ = true;
+  has_settings_ = false;
 }
 
 double Rows::sweep(bool forwards) {
@@ -267,6 +273,7 @@ bool Rows::start() {
 // A yielding normal keeps its `rest`; where it is softened `beyond` its own share, the centre of both springs
 // together counts.
 void Rows::move_centres(double beyond) {
+  has_settings_ = false;
   for (RowBlock& block : blocks_) {
     block.centre = block.lambda;
     if (!block.gives) continue;

@@ -12,6 +12,7 @@
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
 #include "server/dynamics/impulse/row_block.h"
+#include "server/dynamics/impulse/small_system.h"
 #include "server/dynamics/impulse/work_budget.h"
 
 namespace visum::dynamics::impulse {
@@ -41,7 +42,7 @@ class Rows {
  public:
   // `work` may be null: then nothing is counted. Otherwise solve() and sweep_gently() may throw WorkSpent.
   explicit Rows(const Kernels& by = kernels(), WorkBudget* work = nullptr)
-      : kernels_(&by), work_(work), factor_(by), body_factor_(by), contact_lanes_(by) {}
+      : kernels_(&by), work_(work), factor_(by), small_(by), body_factor_(by), contact_lanes_(by) {}
   // Computes MJ of an end on a free body from its J, and adds the end's share to the block's K.
   // respond_at_point() also computes J, for three rows along the columns of a frame (sign +1) or against them
   // (-1), at a lever from the centre of mass.
@@ -86,7 +87,8 @@ class Rows {
     bool operator==(const Row&) const = default;
   };
   static constexpr std::size_t kAcross = 3;
-  static constexpr int kMostSteps = 8;  // of solve_active()
+  static constexpr int kMostSteps = 8;            // of solve_active()
+  static constexpr std::size_t kPerResponse = 4;  // units to find one entry of the matrix
   static constexpr int kMostNewtonPasses = 8;
   // The active rows begin..end-1 of one block. `drags`: a normal of them drags friction along.
   struct Group {
@@ -118,6 +120,7 @@ class Rows {
   // rows_soft.cc: the same from soft points on, without rolling friction. The rows miss by `missed` at the
   // start, and may miss as solve() says at the end. Notes whether an inexact answer is taken.
   bool follow_soft_points(double missed, double least, double share);
+  int most_soft_passes() const;  // of Newton's method, for one point
   // The last of them. Points may miss `enough` and, where impulses creep, `allowed`.
   bool follow_firm_points(double enough, double allowed);
   bool has(RowBlock::Kind kind) const;
@@ -161,8 +164,12 @@ class Rows {
   // rows_near.cc: with mechanisms, looks for an answer near the start, which misses by `missed`. Returns
   // false, at the start again, where there is none.
   bool settle_near_start(double missed, double enough);
+  // Calls `settle`, which returns the largest miss, for one proximal point after the other.
+  bool follow_near_points(double enough, const auto& settle);
   // True if much slides.
   bool slides() const;
+  // True if a contact's friction is at its bound, or above it.
+  static bool is_on_cone(const RowBlock& block);
 
   // rows_active.cc: solves all rows within their bounds at once, in at most so many steps from bound to
   // bound. Returns false if there are too many of them.
@@ -202,10 +209,17 @@ class Rows {
   bool factor_rows(std::size_t kept);
   void add_responses(const Group& at, const Group& by, std::size_t from);
   void find_groups();
+  // rows_small.cc: true if rows are so few that small_ takes them; finds their responses, unless that has
+  // been done since prepare().
+  bool is_small();
+  bool is_one_mechanism() const;
+  void copy_responses(std::size_t count);
+  void find_small_responses();
+  bool factor_small();
   // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
   // Fills missing_ with the active rows' misses. Returns the largest.
-  double find_missing();
+  double find_missing(bool errors_known = false);
   // The nearest impulses that a block's bounds allow, given the pressure on a twist.
   static std::array<double, 3> within_bounds(const RowBlock& block, const std::array<double, 3>& lambda,
                                              double pressure);
@@ -214,12 +228,18 @@ class Rows {
 
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
   // it found no answer, and came as near as that. `exact`: takes one step more once it is near enough.
-  double newton(double enough, int most_passes, bool exact);
+  // `near`: the start is near the answer, so that contacts which slide there still slide in the first step,
+  // and the kept factor will do for it.
+  double newton(double enough, int most_passes, bool exact, bool near = false);
   // One step, from where largest_miss() has looked last. Returns false where the system has no factor.
-  bool newton_step();
+  // `keep_factor`: the kept one will do if it is of the same rows, even if sliding has turned since.
+  bool newton_step(bool keep_sliding, bool keep_factor);
+  bool has_factor_of_same_rows() const;
   // Put a block on the side where the projection leads, and its other rows into the active list.
-  void project_contact(std::size_t index);
+  void project_contact(std::size_t index, bool keep_sliding);
   void project_bounded(std::size_t index);
+  // Changes a block's impulses by a projection.
+  void project(RowBlock& block, const std::array<double, 3>& by);
   // Puts a contact's friction onto its cone, along a direction of length 1.
   void slide_along(RowBlock& block, const Tangential& d);
   // Impulses and velocities to come back to.
@@ -259,14 +279,19 @@ class Rows {
   std::vector<double> active_softness_;  // since factor_active()
   std::vector<Group> groups_;
   EnvelopeLu factor_;
+  SmallSystem small_;
+  std::vector<std::size_t> places_;  // of each block's first row in small_; empty: too many rows for it
   BodyFactor body_factor_;
   std::vector<BodyRow> body_rows_;  // the factored rows, for the bodies' system
-  bool by_bodies_ = false;          // which of the two factors is in use
-  std::vector<double> pairs_;       // nine for each two blocks
-  std::vector<char> pairs_known_;   // for each two blocks; empty: they are not kept
-  // Kept since prepare(): responses of blocks to each other, contacts side by side, and a factor, of which
-  // rows, with their softness.
-  bool has_pairs_ = false, has_lanes_ = false, has_factor_ = false;
+  enum class System { kRows, kSmall, kBodies };
+  System system_ = System::kRows;  // the one that is factored
+  std::vector<double> pairs_;      // nine for each two blocks
+  std::vector<char> pairs_known_;  // for each two blocks; empty: they are not kept
+  // Kept since prepare(): responses of blocks to each other, or in small_, contacts side by side, and a
+  // factor, of which rows, with their softness.
+  bool has_pairs_ = false, has_places_ = false, has_lanes_ = false, has_factor_ = false;
+  bool has_settings_ = false;  // contact_lanes_ has the rows' present targets, bounds and softness
+  bool projected_ = false;     // the last projection has changed an impulse
   std::vector<Row> factored_;
   std::vector<double> factored_softness_;
   // Misses of the active rows, then their changes of impulse.

@@ -25,7 +25,6 @@ constexpr std::size_t kMostEntries = 400'000, kMostBodyEntries = 2'000'000;
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
 constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
-constexpr std::size_t kPerResponse = 4;  // units to find one entry of the matrix
 constexpr std::size_t kMostPaired = 64;  // blocks whose responses to each other are kept
 
 // The largest a in 0..1 with a dx <= room. Where a step leads back to the bound from beyond, all of it.
@@ -44,18 +43,6 @@ double share_within_cone(const Tangential& t, const Tangential& dt, double r, do
   // digits.
   const double root = std::sqrt(std::max(0.0, B * B - A * C));
   return std::min(1.0, B > 0.0 ? -C / (B + root) : (root - B) / A);
-}
-
-// True if two ends, or two blocks, share a body or mechanism.
-bool meet(const RowEnd& a, const RowEnd& b) {
-  return a.free == b.free && a.offset == b.offset;
-}
-
-bool meet(const RowBlock& a, const RowBlock& b) {
-  for (std::size_t i = 0; i < a.end_count; ++i)
-    for (std::size_t j = 0; j < b.end_count; ++j)
-      if (meet(a.ends[i], b.ends[j])) return true;
-  return false;
 }
 
 }  // namespace
@@ -174,6 +161,16 @@ bool Rows::is_factored() const {
   return has_factor_ && factored_ == active_ && factored_softness_ == active_softness_;
 }
 
+bool Rows::has_factor_of_same_rows() const {
+  if (!has_factor_ || factored_.size() != active_.size()) return false;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Row &before = factored_[i], &now = active_[i];
+    if (before.block != now.block || before.row != now.row) return false;
+    if (now.row != kAcross && factored_softness_[i] != softness(now)) return false;
+  }
+  return true;
+}
+
 // Rows that all stick have the same system from pass to pass.
 bool Rows::factor_active() {
   active_softness_.resize(active_.size());
@@ -181,8 +178,11 @@ bool Rows::factor_active() {
   if (is_factored()) return true;
   const std::size_t kept = factored_rows();
   has_factor_ = false;
-  by_bodies_ = bodies_alone();
-  if (!(by_bodies_ ? factor_bodies(kMostBodyEntries) : factor_rows(kept))) return false;
+  system_ = bodies_alone() ? System::kBodies : is_small() ? System::kSmall : System::kRows;
+  const bool found = system_ == System::kBodies  ? factor_bodies(kMostBodyEntries)
+                     : system_ == System::kSmall ? factor_small()
+                                                 : factor_rows(kept);
+  if (!found) return false;
   has_factor_ = true;
   factored_ = active_;
   factored_softness_ = active_softness_;
@@ -190,10 +190,14 @@ bool Rows::factor_active() {
 }
 
 void Rows::solve_factored() {
-  if (by_bodies_)
-    body_factor_.solve(body_rows_, missing_);
-  else
-    factor_.solve(missing_);
+  switch (system_) {
+    case System::kBodies:
+      return body_factor_.solve(body_rows_, missing_);
+    case System::kSmall:
+      return small_.solve(missing_);
+    default:
+      factor_.solve(missing_);
+  }
 }
 
 void Rows::find_groups() {
@@ -208,7 +212,7 @@ void Rows::find_groups() {
 }
 
 std::size_t Rows::factored_rows() const {
-  if (!has_factor_ || by_bodies_) return 0;
+  if (!has_factor_ || system_ != System::kRows) return 0;
   const std::size_t most = std::min(active_.size(), factored_.size());
   std::size_t kept = 0;
   while (kept < most && factored_[kept] == active_[kept] &&
@@ -267,15 +271,15 @@ void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
   }
 }
 
-double Rows::find_missing() {
-  const bool laid_out = has_lanes_;
-  if (laid_out) find_errors();
+double Rows::find_missing(bool errors_known) {
+  if (has_lanes_ && !errors_known) find_errors();
+  errors_known = errors_known || has_lanes_;
   missing_.resize(active_.size());
   double largest = 0.0;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Row& row = active_[i];
     const auto of = [&](std::size_t k) {
-      return laid_out ? errors_[row.block][k] : error(blocks_[row.block], k);
+      return errors_known ? errors_[row.block][k] : error(blocks_[row.block], k);
     };
     missing_[i] = row.row == kAcross ? row.across[0] * of(1) + row.across[1] * of(2) : of(row.row);
     largest = std::max(largest, std::abs(missing_[i]));
@@ -372,7 +376,7 @@ bool Rows::solve_active(double enough, int most_steps) {
     }
     bool free = true;
     for (int pass = 0; pass < kMostRefinements && free; ++pass) {
-      if (find_missing() <= enough && (step + pass > 0 || !by_bodies_)) return true;
+      if (find_missing() <= enough && (step + pass > 0 || system_ != System::kBodies)) return true;
       solve_factored();
       free = step_active();
     }

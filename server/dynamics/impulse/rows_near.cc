@@ -21,6 +21,12 @@ constexpr double kOnBound = 1.0 - 1e-9;   // share of the friction radius that c
 
 }  // namespace
 
+bool Rows::is_on_cone(const RowBlock& contact) {
+  const Tangential held{contact.lambda[1] + contact.base[1], contact.lambda[2] + contact.base[2]};
+  return !is_within_disc(held,
+                         kOnBound * contact.friction * std::max(0.0, contact.lambda[0] + contact.base[0]));
+}
+
 bool Rows::slides() const {
   std::size_t sliding = 0, pressing = 0;
   for (const RowBlock& block : blocks_) {
@@ -28,28 +34,34 @@ bool Rows::slides() const {
     if (block.kind == RowBlock::Kind::kTwist) return false;
     if (block.kind != RowBlock::Kind::kContact || !(block.lambda[0] > block.low)) continue;
     ++pressing;
-    const Tangential held{block.lambda[1] + block.base[1], block.lambda[2] + block.base[2]};
-    if (!is_within_disc(held, kOnBound * block.friction * pressure(block))) ++sliding;
+    if (is_on_cone(block)) ++sliding;
   }
   return sliding > 0 && kSlidingShare * sliding >= pressing;
 }
 
-bool Rows::settle_near_start(double missed, double enough) {
-  if (missed <= enough) return true;
-  island_->changed = true;
-  keep(start_);
-  const bool by_newton = slides();
-  for (int point = 0; point < kMostNearPoints; ++point) {
-    const double left = by_newton                              ? newton(enough, kMostNearPasses, true)
-                        : solve_active(enough, kMostNearSteps) ? largest_miss()
-                                                               : std::numeric_limits<double>::infinity();
-    if (!(left <= enough)) break;
+// Returns false, at the start again, where it does not get there.
+bool Rows::follow_near_points(double enough, const auto& settle) {
+  for (int point = 0; point < kMostNearPoints && settle() <= enough; ++point) {
     if (left_by_softness() <= enough) return true;
     move_centres(0.0);
   }
   put_back(start_);
   move_centres(0.0);
   return false;
+}
+
+bool Rows::settle_near_start(double missed, double enough) {
+  if (missed <= enough) return true;
+  island_->changed = true;
+  keep(start_);
+  const auto from_bound_to_bound = [&] {
+    const bool solved = solve_active(enough, kMostNearSteps);
+    return solved ? largest_miss() : std::numeric_limits<double>::infinity();
+  };
+  if (!slides() && follow_near_points(enough, from_bound_to_bound)) return true;
+  // Newton's method knows nothing of rolling friction.
+  return !has(RowBlock::Kind::kTwist) &&
+         follow_near_points(enough, [&] { return newton(enough, kMostNearPasses, true, true); });
 }
 
 }  // namespace visum::dynamics::impulse

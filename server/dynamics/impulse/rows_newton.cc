@@ -11,7 +11,10 @@
 //   slides     e_n = 0; l_t = R d along the direction d of l_t + s e_t, where R = mu l_n follows the normal;
 //              across d the disc is round, so that the contact gives way there: e_p = c dl_p with
 //              c = (|l_t + s e_t| - R)/(R s)
-// Near the answer the miss falls quadratically. Far from it the passes may cycle: then the best point is
+// Near the answer the miss falls quadratically. A contact that slides there may seem to stick in the first
+// pass, if it is asked to slide less than the others' impulses will make it; all rows together would then
+// push against each other without limit. So contacts whose friction is at its bound slide on in the first
+// pass where the start is known to be near. Far from an answer the passes may cycle: then the best point is
 // taken up again, and the caller goes on in another way.
 #include <algorithm>
 #include <cmath>
@@ -27,13 +30,19 @@ constexpr double kExact = 1e-3;  // share of the allowed miss below which no fur
 
 }  // namespace
 
-void Rows::slide_along(RowBlock& block, const Tangential& d) {
-  const double radius = block.friction * pressure(block);
-  change(block, {0.0, radius * d[0] - block.base[1] - block.lambda[1],
-                 radius * d[1] - block.base[2] - block.lambda[2]});
+void Rows::project(RowBlock& block, const std::array<double, 3>& by) {
+  if (by == std::array<double, 3>{}) return;
+  change(block, by);
+  projected_ = true;
 }
 
-void Rows::project_contact(std::size_t index) {
+void Rows::slide_along(RowBlock& block, const Tangential& d) {
+  const double radius = block.friction * pressure(block);
+  project(block, {0.0, radius * d[0] - block.base[1] - block.lambda[1],
+                  radius * d[1] - block.base[2] - block.lambda[2]});
+}
+
+void Rows::project_contact(std::size_t index, bool keep_sliding) {
   RowBlock& block = blocks_[index];
   block.drags = false;
   if (is_rigid(block)) return;
@@ -45,40 +54,42 @@ void Rows::project_contact(std::size_t index) {
   const double step = block.sliding_step;
   const Tangential to{block.lambda[1] + block.base[1] + step * missing[1],
                       block.lambda[2] + block.base[2] + step * missing[2]};
-  if (open) change(block, {block.low - block.lambda[0], 0.0, 0.0});
+  if (open) project(block, {block.low - block.lambda[0], 0.0, 0.0});
   if (!open) active_.push_back({index, 0});
-  if (is_within_disc(to, radius)) {
+  const double length = std::sqrt(to[0] * to[0] + to[1] * to[1]);
+  const bool goes_on = keep_sliding && !open && length > 0.0 && is_on_cone(block);
+  if (is_within_disc(to, radius) && !goes_on) {
     if (radius == 0.0) return slide_along(block, {0.0, 0.0});
     active_.push_back({index, 1});
     active_.push_back({index, 2});
     return;
   }
-  const double length = std::sqrt(to[0] * to[0] + to[1] * to[1]);
   const Tangential d{to[0] / length, to[1] / length};
   slide_along(block, d);
   if (radius == 0.0) return;
   if (!open) active_.back().drag = {block.friction * d[0], block.friction * d[1]};
-  active_.push_back({index, kAcross, {}, {-d[1], d[0]}, (length - radius) / (radius * step)});
+  active_.push_back({index, kAcross, {}, {-d[1], d[0]}, std::max(0.0, length - radius) / (radius * step)});
 }
 
 void Rows::project_bounded(std::size_t index) {
   RowBlock& block = blocks_[index];
   const double by = normal_step(block, errors_[index][0]), ahead = block.lambda[0] + by;
   if (is_rigid(block) || ahead <= block.low || ahead >= block.high)
-    change(block, {by, 0.0, 0.0});
+    project(block, {by, 0.0, 0.0});
   else
     active_.push_back({index, 0});
 }
 
 // All rows are projected from one point, though the first ones move it: that their neighbours would see them
 // moved does harm where many change sides.
-bool Rows::newton_step() {
+bool Rows::newton_step(bool keep_sliding, bool keep_factor) {
   active_.clear();
+  projected_ = false;
   for (std::size_t i = 0; i < blocks_.size(); ++i)
-    blocks_[i].kind == RowBlock::Kind::kContact ? project_contact(i) : project_bounded(i);
+    blocks_[i].kind == RowBlock::Kind::kContact ? project_contact(i, keep_sliding) : project_bounded(i);
   if (active_.empty()) return true;
-  if (!factor_active()) return false;
-  find_missing();
+  if (!(keep_factor && has_factor_of_same_rows()) && !factor_active()) return false;
+  find_missing(!projected_);
   solve_factored();
   steps_.assign(blocks_.size(), {});
   for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -108,16 +119,16 @@ void Rows::put_back(const Point& point) {
 }
 
 // A step that comes no nearer is often the way to an answer, so steps are whole, and the best point counts.
-// One step more follows the first that is near enough: it costs little, and leaves next to nothing to drift
-// from tick to tick.
-double Rows::newton(double enough, int most_passes, bool exact) {
+// One step more follows the first that is near enough: it costs little, with the factor of the one before,
+// and leaves next to nothing to drift from tick to tick.
+double Rows::newton(double enough, int most_passes, bool exact, bool near) {
   if (responses_.empty()) lay_out_contacts();
   double best = largest_miss();
   keep(last_);
   try {
     for (int pass = 0; pass < most_passes && (best > enough || exact); ++pass) {
-      const bool last = best <= enough;
-      if (!newton_step()) break;
+      const bool last = best <= enough, first = near && pass == 0;
+      if (!newton_step(first, first || last)) break;
       const double miss = largest_miss();
       if (miss < best) {
         best = miss;

@@ -21,6 +21,7 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr int kMostSoftPoints = 50, kMostFailures = 15;  // in one solution
+constexpr int kMostFreePasses = 12;                      // of Newton's method, for one point
 constexpr int kMostLastPoints = 4;                       // at the least softness, at its end
 constexpr double kInexact = 0.3;
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
@@ -73,6 +74,10 @@ class Softness {
 
 }  // namespace
 
+int Rows::most_soft_passes() const {
+  return responses_.empty() ? kMostFreePasses : kMostNewtonPasses;
+}
+
 bool Rows::follow_soft_points(double missed, double least, double share) {
   const bool alone = responses_.empty();
   double enough = std::max(least, share * note_change());
@@ -92,7 +97,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     move_centres(softened ? softness.now() : 0.0);
     keep(start_);
     const double goal = softened ? std::max(enough, kInexact * std::min(left, missed)) : enough;
-    if (!(newton(goal, kMostNewtonPasses, !softened) <= goal)) {
+    if (!(newton(goal, most_soft_passes(), !softened, point_softness == softness.now()) <= goal)) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;
@@ -120,7 +125,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
 bool Rows::follow_firm_points(double enough, double allowed) {
   for (int point = 0; point < kMostLastPoints; ++point) {
     move_centres(0.0);
-    if (!(newton(enough, kMostNewtonPasses, true) <= allowed)) return false;
+    if (!(newton(enough, most_soft_passes(), true, true) <= allowed)) return false;
     if (left_by_softness() <= allowed) return true;
   }
   move_centres(0.0);

@@ -35,6 +35,7 @@ class ContactScene {
       for (std::size_t i = 0; i < block.dim; ++i) block.centre[i] = 0.1 * any();
     lanes_ = ContactLanes(by);
     lanes_.lay_out(blocks_);
+    lanes_.take_settings(blocks_);
   }
 
   void move() {
@@ -54,6 +55,7 @@ class ContactScene {
     ContactLanes alone = lanes_;
     std::array<std::array<double, 3>, 1> errors;
     alone.lay_out({&blocks_[block], 1});
+    alone.take_settings({&blocks_[block], 1});
     alone.find_errors({&blocks_[block], 1}, velocities_.data(), errors);
     return alone.largest_miss();
   }

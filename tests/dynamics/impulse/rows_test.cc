@@ -1,7 +1,5 @@
-// The solver of rows with bounds, given directly: a box between two fingers of a hand, a cube that tumbles, a
-// wall of cubes that falls to pieces.
-#include "server/dynamics/impulse/rows.h"
-
+// The solver of rows with bounds, given directly: on free bodies: a cube that tumbles, a wall of
+// cubes that falls to pieces.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -11,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "tests/dynamics/impulse/own_island.h"
+
 namespace visum::dynamics::impulse {
 namespace {
 
@@ -19,187 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kGrip = 0.9, kHalf = 0.03;       // m
-constexpr double kSqueeze = 0.02, kFall = 15e-3;  // m/s: gained in a millisecond
-constexpr double kGive = 1e-5;                    // see rows.cc: for a contact's normal
-constexpr std::size_t kCorners = 4, kContacts = 2 * kCorners, kRows = 3 * kContacts;
-
-// Contact k: its corner of the box, and the directions in which the box moves against the finger (normal
-// first).
-struct Corner {
-  explicit Corner(std::size_t k)
-      : finger(k / kCorners),
-        side(finger == 0 ? 1.0 : -1.0),
-        point(k % 2 == 0 ? kHalf : -kHalf, -side * kHalf, k / 2 % 2 == 0 ? 0.5 * kHalf : -0.5 * kHalf),
-        axes{Vector3d(0, side, 0), Vector3d(1, 0, 0), Vector3d(0, 0, 1)} {}
-  std::size_t finger;
-  double side;
-  Vector3d point;
-  std::array<Vector3d, 3> axes;
-};
-
-// An island with its arrays.
-struct OwnIsland {
-  std::vector<RowBlock> blocks;
-  std::vector<double> velocities;
-  std::vector<FreeBody> bodies;
-  std::vector<double> responses;
-
-  void prepare(Rows& rows) {
-    island = {blocks, velocities, bodies, responses};
-    rows.prepare(island);
-  }
-  void solve(Rows& rows, int most_sweeps) { rows.solve(most_sweeps, 1e-11, 1e-7, 0.0); }
-  bool is_solved() const { return island.solved; }
-  bool is_inexact() const { return island.inexact; }
-  void set_dear(std::uint64_t units) { island.dear = units; }
-  double largest_change() const { return island.largest_change; }
-  // Largest difference between the impulses and those that the velocities ask for, m/s.
-  double miss() const {
-    double largest = 0.0;
-    for (const RowBlock& block : blocks) {
-      const auto& lambda = block.lambda;
-      const double K = std::max({block.K[0], block.K[1], block.K[2]});
-      const double normal = lambda[0] - (velocity(block, 0) + kGive * block.K[0] * lambda[0]) / K;
-      const double along = lambda[1] - velocity(block, 1) / K, across = lambda[2] - velocity(block, 2) / K;
-      const double held = std::hypot(along, across), most = block.friction * lambda[0];
-      const double share = held > most ? most / held : 1.0;
-      for (const double change :
-           {std::max(0.0, normal) - lambda[0], share * along - lambda[1], share * across - lambda[2]})
-        largest = std::max(largest, K * std::abs(change));
-    }
-    return largest;
-  }
-
- private:
-  double velocity(const RowBlock& block, std::size_t row) const {
-    double sum = 0.0;
-    for (std::size_t e = 0; e < block.end_count; ++e) {
-      const RowEnd& end = block.ends[e];
-      if (!end.free)
-        sum += velocities[end.offset + end.first + row];
-      else
-        for (std::size_t j = 0; j < 6; ++j) sum += end.J[row][j] * velocities[end.offset + j];
-    }
-    return sum;
-  }
-
-  RowIsland island;
-};
-
-// The hand moves as a body and is heavy; each finger slides along y.
-class Grasp {
- public:
-  explicit Grasp(std::mt19937_64& random) {
-    std::uniform_real_distribution<double> some(0.0, 1.0), any(-1.0, 1.0);
-    VectorXd mass(8), velocity = VectorXd::Zero(8);
-    mass << 0.2, 0.3, 0.25, 6.0, 7.0, 5.0, 0.4, 0.4;
-    velocity[5] = -kFall * some(random);  // the hand gives way by less than the box
-    velocity[6] = kSqueeze;
-    velocity[7] = -kSqueeze;
-    MatrixXd jacobian(kRows, 8);
-    for (std::size_t k = 0; k < kContacts; ++k) {
-      const Corner corner(k);
-      for (std::size_t i = 0; i < 3; ++i) {
-        VectorXd row = VectorXd::Zero(8);
-        row.head<3>() = -(corner.point + Vector3d(0, 0, 0.1)).cross(corner.axes[i]);
-        row.segment<3>(3) = -corner.axes[i];
-        row[6 + static_cast<int>(corner.finger)] = -corner.axes[i].y();
-        jacobian.row(static_cast<int>(3 * k + i)) = row;
-      }
-    }
-    jacobian_ = jacobian;
-    response_ = jacobian * mass.cwiseInverse().asDiagonal() * jacobian.transpose();
-    own_.velocities.assign(6 + kRows, 0.0);
-    own_.velocities[5] = -kFall;
-    VectorXd::Map(&own_.velocities[6], kRows) = jacobian * velocity;
-    own_.responses.assign(response_.data(), response_.data() + response_.size());
-    for (std::size_t k = 0; k < kContacts; ++k) add_contact(k, some, any, random);
-    own_.prepare(rows_);
-  }
-
-  Rows& rows() { return rows_; }
-  // The next tick's world: what moves box, hand and fingers is a little different.
-  void push(std::mt19937_64& random, double much) {
-    std::uniform_real_distribution<double> any(-1.0, 1.0);
-    for (std::size_t j = 0; j < 6; ++j) own_.velocities[j] += much * any(random) * (j < 3 ? 30.0 : 1.0);
-    VectorXd by(8);
-    for (int j = 0; j < 8; ++j) by[j] = 0.1 * much * any(random);
-    VectorXd::Map(&own_.velocities[6], kRows) += jacobian_ * by;
-  }
-  double miss() const { return own_.miss(); }  // m/s
-
- private:
-  template <typename Some, typename Any>
-  void add_contact(std::size_t k, Some& some, Any& any, std::mt19937_64& random) {
-    const Corner corner(k);
-    RowBlock block;
-    block.kind = RowBlock::Kind::kContact;
-    block.dim = 3;
-    block.end_count = 2;
-    block.friction = kGrip;
-    block.gives = true;
-    block.free_response = 15.0;
-    RowEnd &box = block.ends[0], &hand = block.ends[1];
-    box.free = true;
-    box.offset = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3d turns = corner.point.cross(corner.axes[i]);
-      for (int j = 0; j < 3; ++j) {
-        box.J[i][static_cast<std::size_t>(j)] = turns[j];
-        box.J[i][static_cast<std::size_t>(3 + j)] = corner.axes[i][j];
-      }
-    }
-    rows_.respond(block, box, Matrix3d(Matrix3d::Identity() / 3e-4).data(), 1.0 / 0.5);
-    hand.free = false;
-    hand.offset = 6;
-    hand.first = 3 * k;
-    hand.size = kRows;
-    hand.response = 0;
-    // A start as a tick before may have left it: near the edge of the cone, the corners of a face against
-    // each other.
-    block.lambda[0] = 0.002 * some(random);
-    const double outwards = corner.point.x() > 0.0 ? 1.0 : -1.0;
-    block.lambda[1] = 0.8 * outwards * kGrip * block.lambda[0] * (0.6 + 0.4 * some(random));
-    block.lambda[2] = 0.4 * kGrip * block.lambda[0] * any(random);
-    own_.blocks.push_back(block);
-  }
-
-  OwnIsland own_;
-  Rows rows_;
-  MatrixXd response_, jacobian_;
-};
-
-struct Found {
-  int missed = 0;      // of 9,000 solutions, by more than 1e-6 m/s
-  double worst = 0.0;  // m/s
-};
-
-Found solve_many(int most_sweeps) {
-  std::mt19937_64 random(1);
-  Found found;
-  for (int i = 0; i < 30; ++i) {
-    Grasp grasp(random);
-    for (int tick = 0; tick < 300; ++tick) {
-      grasp.rows().solve(most_sweeps, 1e-11, 1e-7, 0.0);
-      const double miss = grasp.miss();
-      found.missed += miss > 1e-6;
-      found.worst = std::max(found.worst, miss);
-      grasp.push(random, 1e-3);
-    }
-  }
-  return found;
-}
-
-TEST(Rows, AGraspIsSolved) {
-  const Found found = solve_many(200);
-  EXPECT_EQ(found.missed, 0) << "the worst by " << found.worst << " m/s";
-}
-
-// Impulses that balance each other must not be cut off singly: that would leave 0.017 m/s.
-TEST(Rows, WhatIsSolvedAtOnceTakesNoGraspApart) {
-  EXPECT_LT(solve_many(0).worst, 5e-4);
-}
+constexpr double kHalf = 0.03;  // m
 
 // A row on the velocity of a free body of 1 kg.
 RowBlock row_along(const Rows& rows, const Vector3d& direction, double low) {

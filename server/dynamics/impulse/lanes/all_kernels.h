@@ -14,6 +14,7 @@
 #include "server/dynamics/impulse/lanes/prediction_kernels.h"
 #include "server/dynamics/impulse/lanes/rows_kernels.h"
 #include "server/dynamics/impulse/lanes/six.h"
+#include "server/dynamics/impulse/lanes/small_kernels.h"
 #include "server/dynamics/impulse/lanes/tree_kernels.h"
 
 namespace visum::dynamics::impulse {
@@ -46,6 +47,8 @@ constexpr Kernels make_kernels(const char* build) {
           .push_by_body_rows = push_by_body_rows,
           .answer_body_rows = answer_body_rows,
           .factor_envelope = factor_envelope,
+          .factor_small = factor_small,
+          .solve_small = solve_small,
           .factor_tree = factor_tree,
           .load_tree = load_tree,
           .spread_tree = spread_tree,

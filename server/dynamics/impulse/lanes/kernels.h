@@ -9,6 +9,7 @@
 #include "server/dynamics/impulse/lanes/bodies_data.h"
 #include "server/dynamics/impulse/lanes/contacts_data.h"
 #include "server/dynamics/impulse/lanes/joints_data.h"
+#include "server/dynamics/impulse/lanes/small_data.h"
 #include "server/dynamics/impulse/lanes/tree_data.h"
 
 namespace visum::dynamics::impulse {
@@ -67,6 +68,9 @@ struct Kernels {
   void (*push_by_body_rows)(const BodyRow* rows, std::size_t count, const double* missing, double* to);
   void (*answer_body_rows)(const BodyRow* rows, std::size_t count, const double* v, double* missing);
   bool (*factor_envelope)(EnvelopeMatrix);
+  // The same for a few rows (small_system.h); b becomes the solution. `room`: for a row of the responses.
+  bool (*factor_small)(SmallMatrix, double* room);
+  void (*solve_small)(SmallMatrix, double* b, double* room);
   // Recursions over a tree (tree.h): over all its rows, or over the rows begin..end-1.
   void (*factor_tree)(const TreeRow* rows, TreeFactor* factors, TreePlace place, std::size_t count);
   void (*load_tree)(TreeData tree, std::size_t begin, std::size_t end);
