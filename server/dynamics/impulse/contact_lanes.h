@@ -21,7 +21,8 @@ class ContactLanes {
   // must then stay.
   void lay_out(std::span<const RowBlock> blocks);
   std::span<const std::size_t> others() const { return others_; }  // the blocks that are not taken
-  // Takes what stays while impulses are sought: targets, bounds, softness and its centres.
+  // Takes what stays while impulses are sought: targets, bounds, softness and its centres. Comes after
+  // lay_out(), and again whenever they have changed, before find_errors().
   void take_settings(std::span<const RowBlock> blocks);
   // Puts into `errors`, by block, how much each row of those contacts misses now, m/s.
   void find_errors(std::span<const RowBlock> blocks, const double* velocities,

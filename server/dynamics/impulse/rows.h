@@ -84,6 +84,7 @@ class Rows {
     // A row across the sliding (kAcross) has a direction, by tangent, and gives way.
     std::array<double, 2> across{};
     double compliance = 0.0;
+    bool drags() const { return drag[0] != 0.0 || drag[1] != 0.0; }
     bool operator==(const Row&) const = default;
   };
   static constexpr std::size_t kAcross = 3;
@@ -182,7 +183,9 @@ class Rows {
     std::size_t stride;
     double operator()(std::size_t r, std::size_t s) const { return first[r * stride + s]; }
   };
-  Responses find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory);
+  Responses find_responses(const RowBlock& a, const RowBlock& b, double* found) const;  // room for nine
+  Responses look_up_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory);
+  static bool stand_in_W(const RowBlock& a, const RowBlock& b);
   void start_pairs();  // makes room for pairs_, unless that has been done since prepare()
   // The same for active rows, without the friction that b drags along.
   static double response(const Responses& of, const Row& a, std::size_t s);
@@ -209,12 +212,10 @@ class Rows {
   bool factor_rows(std::size_t kept);
   void add_responses(const Group& at, const Group& by, std::size_t from);
   void find_groups();
-  // rows_small.cc: true if rows are so few that small_ takes them; finds their responses, unless that has
-  // been done since prepare().
-  bool is_small();
+  // rows_small.cc: finds the responses of all rows, unless that has been done since prepare(). Returns false
+  // if there are too many of them for small_.
+  bool prepare_small();
   bool is_one_mechanism() const;
-  void copy_responses(std::size_t count);
-  void find_small_responses();
   bool factor_small();
   // Solves the factored system: from the misses in missing_ to the changes of impulse.
   void solve_factored();
@@ -229,8 +230,8 @@ class Rows {
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
   // it found no answer, and came as near as that. `exact`: takes one step more once it is near enough.
   // `near`: the start is near the answer, so that contacts which slide there still slide in the first step,
-  // and the kept factor will do for it.
-  double newton(double enough, int most_passes, bool exact, bool near = false);
+  // and the kept factor will do for it. `loose`: so many times `enough` will do, if a step ends there.
+  double newton(double enough, int most_passes, bool exact, bool near = false, double loose = 1.0);
   // One step, from where largest_miss() has looked last. Returns false where the system has no factor.
   // `keep_factor`: the kept one will do if it is of the same rows, even if sliding has turned since.
   bool newton_step(bool keep_sliding, bool keep_factor);

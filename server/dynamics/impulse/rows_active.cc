@@ -25,6 +25,7 @@ constexpr std::size_t kMostEntries = 400'000, kMostBodyEntries = 2'000'000;
 constexpr double kInside =
     1.0 - 1e-9;                    // share of the friction radius up to which a contact counts as sticking
 constexpr double kAtBound = 1e-9;  // share of a step, or of a radius, that counts as zero
+constexpr double kSameSoftness = 1e-6;   // relative difference that counts as rounding
 constexpr std::size_t kMostPaired = 64;  // blocks whose responses to each other are kept
 
 // The largest a in 0..1 with a dx <= room. Where a step leads back to the bound from beyond, all of it.
@@ -52,6 +53,11 @@ double Rows::response(const RowEnd& a, std::size_t r, const RowEnd& b, std::size
   return a.free ? dot(a.J[r], b.MJ[s].data()) : responses_[a.response + (a.first + r) * a.size + b.first + s];
 }
 
+// True for blocks that meet on one mechanism, and touch nothing else.
+bool Rows::stand_in_W(const RowBlock& a, const RowBlock& b) {
+  return a.end_count == 1 && b.end_count == 1 && !a.ends[0].free;
+}
+
 void Rows::start_pairs() {
   if (has_pairs_) return;
   has_pairs_ = true;
@@ -60,18 +66,19 @@ void Rows::start_pairs() {
   if (pairs_.size() < 9 * pairs) pairs_.resize(9 * pairs);
 }
 
-Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) {
-  // Blocks that meet on one mechanism, and touch nothing else: a part of its W.
-  if (a.end_count == 1 && b.end_count == 1 && !a.ends[0].free) {
+Rows::Responses Rows::look_up_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) {
+  if (pairs_known_.empty()) return find_responses(a, b, memory.data());
+  const auto number = static_cast<std::size_t>(&a - blocks_.data()) * blocks_.size() +
+                      static_cast<std::size_t>(&b - blocks_.data());
+  double* const found = &pairs_[9 * number];
+  return std::exchange(pairs_known_[number], 1) && !stand_in_W(a, b) ? Responses{found, 3}
+                                                                     : find_responses(a, b, found);
+}
+
+Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b, double* found) const {
+  if (stand_in_W(a, b)) {
     const RowEnd &at = a.ends[0], &by = b.ends[0];
     return {&responses_[at.response + at.first * at.size + by.first], at.size};
-  }
-  double* found = memory.data();
-  if (!pairs_known_.empty()) {
-    const auto number = static_cast<std::size_t>(&a - blocks_.data()) * blocks_.size() +
-                        static_cast<std::size_t>(&b - blocks_.data());
-    found = &pairs_[9 * number];
-    if (std::exchange(pairs_known_[number], 1)) return {found, 3};
   }
   std::fill_n(found, 9, 0.0);
   for (std::size_t i = 0; i < a.end_count; ++i)
@@ -165,8 +172,10 @@ bool Rows::has_factor_of_same_rows() const {
   if (!has_factor_ || factored_.size() != active_.size()) return false;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Row &before = factored_[i], &now = active_[i];
-    if (before.block != now.block || before.row != now.row) return false;
-    if (now.row != kAcross && factored_softness_[i] != softness(now)) return false;
+    if (before.block != now.block || before.row != now.row || before.drags() != now.drags()) return false;
+    // The proximal point's, without what the round disc gives to a row across the sliding.
+    const double soft = factored_softness_[i] - before.compliance, now_soft = softness(now) - now.compliance;
+    if (std::abs(soft - now_soft) > kSameSoftness * now_soft) return false;
   }
   return true;
 }
@@ -178,7 +187,7 @@ bool Rows::factor_active() {
   if (is_factored()) return true;
   const std::size_t kept = factored_rows();
   has_factor_ = false;
-  system_ = bodies_alone() ? System::kBodies : is_small() ? System::kSmall : System::kRows;
+  system_ = bodies_alone() ? System::kBodies : prepare_small() ? System::kSmall : System::kRows;
   const bool found = system_ == System::kBodies  ? factor_bodies(kMostBodyEntries)
                      : system_ == System::kSmall ? factor_small()
                                                  : factor_rows(kept);
@@ -204,8 +213,7 @@ void Rows::find_groups() {
   groups_.clear();
   for (std::size_t i = 0; i < active_.size();) {
     const std::span<const Row> rows = rows_of_block(i);
-    const bool drags =
-        std::ranges::any_of(rows, [](const Row& row) { return row.drag[0] != 0.0 || row.drag[1] != 0.0; });
+    const bool drags = std::ranges::any_of(rows, &Row::drags);
     groups_.push_back({i, i + rows.size(), &blocks_[active_[i].block], drags});
     i += rows.size();
   }
@@ -257,8 +265,8 @@ bool Rows::factor_rows(std::size_t kept) {
 void Rows::add_responses(const Group& at, const Group& by, std::size_t from) {
   if (!meet(*at.block, *by.block)) return;
   std::array<double, 9> memory, memory_back;
-  const Responses there = find_responses(*at.block, *by.block, memory);
-  const Responses back = at.drags ? find_responses(*by.block, *at.block, memory_back) : there;
+  const Responses there = look_up_responses(*at.block, *by.block, memory);
+  const Responses back = at.drags ? look_up_responses(*by.block, *at.block, memory_back) : there;
   const bool drags = at.drags || by.drags;
   for (std::size_t i = std::max(from, at.begin); i < at.end; ++i) {
     const Row& row = active_[i];

@@ -59,9 +59,7 @@ void Rows::find_body_rows() {
 
 bool Rows::factor_bodies(std::size_t most_entries) {
   // Without dragged friction the matrix is symmetric, and half of the work is saved.
-  const bool symmetric = std::none_of(active_.begin(), active_.end(), [](const Row& row) {
-    return row.drag[0] != 0.0 || row.drag[1] != 0.0;
-  });
+  const bool symmetric = std::ranges::none_of(active_, &Row::drags);
   find_body_rows();
   body_factor_.start(bodies_, symmetric);
   for (const BodyRow& row : body_rows_)

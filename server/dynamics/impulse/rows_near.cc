@@ -3,8 +3,8 @@
 // A tick begins with the impulses of the last one. What a mechanism carries, holds or rolls on changes little
 // from tick to tick: mostly the same contacts press, stick and slide. So the rows are solved from there
 // before any sweep, which would take contacts off their bounds that then have to come back one by one. Where
-// rows mostly stick, their bounds are followed (rows_active.cc); where they slide, the direction of friction
-// turns, and Newton's method follows that (rows_newton.cc).
+// rows mostly stick, their bounds are followed (rows_active.cc); where they slide, or that finds nothing, the
+// direction of friction turns, and Newton's method follows that (rows_newton.cc).
 #include <limits>
 
 #include "server/dynamics/impulse/friction_cone.h"

@@ -27,6 +27,9 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kExact = 1e-3;  // share of the allowed miss below which no further step is worth it
+// Share of the friction radius: where the projection leads nearer to the disc's middle, it says nothing of
+// the direction in which a contact slides on.
+constexpr double kStillAlong = 0.5;
 
 }  // namespace
 
@@ -57,7 +60,7 @@ void Rows::project_contact(std::size_t index, bool keep_sliding) {
   if (open) project(block, {block.low - block.lambda[0], 0.0, 0.0});
   if (!open) active_.push_back({index, 0});
   const double length = std::sqrt(to[0] * to[0] + to[1] * to[1]);
-  const bool goes_on = keep_sliding && !open && length > 0.0 && is_on_cone(block);
+  const bool goes_on = keep_sliding && !open && is_on_cone(block) && length > kStillAlong * radius;
   if (is_within_disc(to, radius) && !goes_on) {
     if (radius == 0.0) return slide_along(block, {0.0, 0.0});
     active_.push_back({index, 1});
@@ -109,11 +112,11 @@ void Rows::keep(Point& point) const {
   point.velocities.assign(velocities_.begin(), velocities_.end());
 }
 
+// The velocities contain all impulses of a point, so a step that has led far away leaves nothing behind.
 void Rows::put_back(const Point& point) {
   for (std::size_t i = 0; i < blocks_.size(); ++i)
     for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
-      blocks_[i].applied[j] += point.lambda[3 * i + j] - blocks_[i].lambda[j];
-      blocks_[i].lambda[j] = point.lambda[3 * i + j];
+      blocks_[i].applied[j] = blocks_[i].lambda[j] = point.lambda[3 * i + j];
     }
   std::copy(point.velocities.begin(), point.velocities.end(), velocities_.begin());
 }
@@ -121,13 +124,14 @@ void Rows::put_back(const Point& point) {
 // A step that comes no nearer is often the way to an answer, so steps are whole, and the best point counts.
 // One step more follows the first that is near enough: it costs little, with the factor of the one before,
 // and leaves next to nothing to drift from tick to tick.
-double Rows::newton(double enough, int most_passes, bool exact, bool near) {
+double Rows::newton(double enough, int most_passes, bool exact, bool near, double loose) {
   if (responses_.empty()) lay_out_contacts();
   double best = largest_miss();
   keep(last_);
   try {
-    for (int pass = 0; pass < most_passes && (best > enough || exact); ++pass) {
+    for (int pass = 0; pass < most_passes; ++pass) {
       const bool last = best <= enough, first = near && pass == 0;
+      if (last ? !exact : best <= loose * enough) break;
       if (!newton_step(first, first || last)) break;
       const double miss = largest_miss();
       if (miss < best) {

@@ -24,6 +24,7 @@ constexpr int kMostSoftPoints = 50, kMostFailures = 15;  // in one solution
 constexpr int kMostFreePasses = 12;                      // of Newton's method, for one point
 constexpr int kMostLastPoints = 4;                       // at the least softness, at its end
 constexpr double kInexact = 0.3;
+constexpr double kLoose = 1e4;  // times what is enough: for a firm point that is found at once
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
 // more than this share of what the one before it left with the same softness. More points are no help then,
 // so from there on a solution may leave so many times what is enough.
@@ -96,8 +97,12 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
     keep(start_);
+    // The first firm point is mostly the centre of another one, so it need not be exact, unless it is near.
+    const bool is_first = left == std::numeric_limits<double>::infinity();
+    const double loose = !softened && is_first ? kLoose : 1.0;
     const double goal = softened ? std::max(enough, kInexact * std::min(left, missed)) : enough;
-    if (!(newton(goal, most_soft_passes(), !softened, point_softness == softness.now()) <= goal)) {
+    const double miss = newton(goal, most_soft_passes(), !softened, point_softness == softness.now(), loose);
+    if (!(miss <= loose * goal)) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;
@@ -108,7 +113,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
     point_softness = softness.now();
-    near = left <= allowed();
+    near = miss <= goal && left <= allowed();
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());

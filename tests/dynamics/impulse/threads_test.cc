@@ -215,8 +215,8 @@ TEST(Threads, LeaveTheSameBitsInAWorldOfAllSorts) {
 
 // A tick whose work meets its limit is made anew by one thread.
 TEST(Threads, LeaveTheSameBitsWhereTheWorkIsLimited) {
-  expect_same(physics::piles(setting(30'000), kTick, 4, 10), 400, true);
-  expect_same(physics::falling_ragdolls(setting(100'000), kTick, 3), 1000, true);
+  expect_same(physics::piles(setting(20'000), kTick, 4, 10), 400, true);
+  expect_same(physics::falling_ragdolls(setting(60'000), kTick, 3), 1000, true);
 }
 
 }  // namespace
