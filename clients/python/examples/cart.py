@@ -16,7 +16,7 @@ import sys
 from typing import NamedTuple
 
 import visum
-from visum.trig import arc_tangent, cosine, hypotenuse, sine
+from visum.trig import arc_tangent, hypotenuse, sin_cos
 
 # Lengths of models/cart/cart.urdf, m. x counts from the rear axle.
 WHEEL_RADIUS = 0.08
@@ -40,8 +40,14 @@ class Pose(NamedTuple):
     def moved(self, left: float, right: float) -> Pose:
         """After the rear wheels have rolled so far: an arc, with the heading midway along it."""
         way, turn = (left + right) / 2, (right - left) / (2 * HALF_TRACK)
-        midway = self.heading + turn / 2
-        return Pose(self.x + way * cosine(midway), self.y + way * sine(midway), self.heading + turn)
+        s, c = sin_cos(self.heading + turn / 2)
+        return Pose(self.x + way * c, self.y + way * s, self.heading + turn)
+
+    def seen_from(self, other: Pose) -> tuple[float, float]:
+        """How far this pose is ahead of the other one, and to its left, along and across this pose's heading."""
+        x, y = self.x - other.x, self.y - other.y
+        s, c = sin_cos(self.heading)
+        return x * c + y * s, y * c - x * s
 
 
 class Circle(NamedTuple):
@@ -60,8 +66,8 @@ class Circle(NamedTuple):
 
     def pose(self, way: float) -> Pose:
         turned = way / self.radius
-        return Pose(self.radius * sine(turned), self.side * self.radius * (1 - cosine(turned)),
-                    self.side * turned)
+        s, c = sin_cos(turned)
+        return Pose(self.radius * s, self.side * self.radius * (1 - c), self.side * turned)
 
 
 class Cart:
@@ -89,11 +95,12 @@ class Cart:
         self._rolled = now
 
 
-def correction(pose: Pose, wanted: Pose) -> float:
-    """The curvature that leads back onto the figure. A lateral error dies out, critically damped, within 0.5 m."""
-    aside = (wanted.y - pose.y) * cosine(wanted.heading) - (wanted.x - pose.x) * sine(wanted.heading)
-    turn = math.remainder(wanted.heading - pose.heading, 2 * math.pi)
-    return 16.0 * aside + 8.0 * turn
+def correction(aside: float, turn: float) -> float:
+    """The curvature that leads back onto the figure, which is `aside` to the left (m) and turned by `turn` (rad).
+
+    A lateral error dies out, critically damped, within 0.5 m.
+    """
+    return 16.0 * aside + 8.0 * math.remainder(turn, 2 * math.pi)
 
 
 def drive(client: visum.Client, cart: Cart, circle: Circle, cruise: float) -> None:
@@ -106,8 +113,8 @@ def drive(client: visum.Client, cart: Cart, circle: Circle, cruise: float) -> No
         speed = max(0.02, min(speed + ACCELERATION * PERIOD_S, brake, cruise))
         way = min(way + speed * PERIOD_S, circle.length)
         wanted = circle.pose(way)
-        curvature = circle.curvature + correction(cart.pose, wanted)
-        ahead = (wanted.x - cart.pose.x) * cosine(wanted.heading) + (wanted.y - cart.pose.y) * sine(wanted.heading)
+        ahead, aside = wanted.seen_from(cart.pose)
+        curvature = circle.curvature + correction(aside, wanted.heading - cart.pose.heading)
         cart.command(speed + 2.0 * ahead, max(-MAXIMUM_CURVATURE, min(MAXIMUM_CURVATURE, curvature)))
         client.advance_ms(1000 * PERIOD_S)
         cart.reckon()
