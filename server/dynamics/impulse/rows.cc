@@ -240,13 +240,6 @@ void Rows::find_errors() {
   }
 }
 
-void Rows::lay_out_contacts() {
-  if (has_lanes_) return;
-  contact_lanes_.lay_out(blocks_);
-  has_lanes_ = true;
-  has_settings_ = false;
-}
-
 double Rows::sweep(bool forwards) {
   count_work(island_->sweep_units);
   double largest = 0.0;
@@ -397,7 +390,8 @@ double Rows::settle(double enough) {
     if (round > 0 || !alone)
       if (largest = sweep_often(2, enough); largest <= enough) return largest;
     if ((round > 0 || alone) && !twists) {
-      if (largest = newton(enough, kMostNewtonPasses, true); largest <= enough && alone) return largest;
+      if (largest = newton({.enough = enough, .most_passes = kMostNewtonPasses}); largest <= enough && alone)
+        return largest;
       if (largest <= enough) continue;
     }
     if (round > 0 && blocks_.size() > kMostForSteps) {

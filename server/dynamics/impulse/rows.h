@@ -228,10 +228,17 @@ class Rows {
   bool step_active();
 
   // rows_newton.cc: Newton's method for all rows with their bounds. Returns the largest miss; above `enough`
-  // it found no answer, and came as near as that. `exact`: takes one step more once it is near enough.
-  // `near`: the start is near the answer, so that contacts which slide there still slide in the first step,
-  // and the kept factor will do for it. `loose`: so many times `enough` will do, if a step ends there.
-  double newton(double enough, int most_passes, bool exact, bool near = false, double loose = 1.0);
+  // it found no answer, and came as near as that.
+  struct Search {
+    double enough;
+    int most_passes;
+    bool exact = true;  // takes one step more once it is near enough
+    // The start is near the answer: what slides there still slides in the first step, for which the kept
+    // factor will do.
+    bool near = false;
+    double loose = 1.0;  // a step that leaves no more than so many times `enough` is the last
+  };
+  double newton(const Search& by);
   // One step, from where largest_miss() has looked last. Returns false where the system has no factor.
   // `keep_factor`: the kept one will do if it is of the same rows, even if sliding has turned since.
   bool newton_step(bool keep_sliding, bool keep_factor);

@@ -67,12 +67,12 @@ void Rows::start_pairs() {
 }
 
 Rows::Responses Rows::look_up_responses(const RowBlock& a, const RowBlock& b, std::array<double, 9>& memory) {
-  if (pairs_known_.empty()) return find_responses(a, b, memory.data());
+  if (stand_in_W(a, b) || pairs_known_.empty()) return find_responses(a, b, memory.data());
   const auto number = static_cast<std::size_t>(&a - blocks_.data()) * blocks_.size() +
                       static_cast<std::size_t>(&b - blocks_.data());
   double* const found = &pairs_[9 * number];
-  return std::exchange(pairs_known_[number], 1) && !stand_in_W(a, b) ? Responses{found, 3}
-                                                                     : find_responses(a, b, found);
+  if (std::exchange(pairs_known_[number], 1)) return {found, 3};
+  return find_responses(a, b, found);
 }
 
 Rows::Responses Rows::find_responses(const RowBlock& a, const RowBlock& b, double* found) const {

@@ -60,8 +60,9 @@ bool Rows::settle_near_start(double missed, double enough) {
   };
   if (!slides() && follow_near_points(enough, from_bound_to_bound)) return true;
   // Newton's method knows nothing of rolling friction.
-  return !has(RowBlock::Kind::kTwist) &&
-         follow_near_points(enough, [&] { return newton(enough, kMostNearPasses, true, true); });
+  return !has(RowBlock::Kind::kTwist) && follow_near_points(enough, [&] {
+    return newton({.enough = enough, .most_passes = kMostNearPasses, .near = true});
+  });
 }
 
 }  // namespace visum::dynamics::impulse

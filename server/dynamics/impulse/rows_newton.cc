@@ -115,30 +115,36 @@ void Rows::keep(Point& point) const {
 // The velocities contain all impulses of a point, so a step that has led far away leaves nothing behind.
 void Rows::put_back(const Point& point) {
   for (std::size_t i = 0; i < blocks_.size(); ++i)
-    for (std::size_t j = 0; j < blocks_[i].dim; ++j) {
+    for (std::size_t j = 0; j < blocks_[i].dim; ++j)
       blocks_[i].applied[j] = blocks_[i].lambda[j] = point.lambda[3 * i + j];
-    }
   std::copy(point.velocities.begin(), point.velocities.end(), velocities_.begin());
+}
+
+void Rows::lay_out_contacts() {
+  if (has_lanes_) return;
+  contact_lanes_.lay_out(blocks_);
+  has_lanes_ = true;
+  has_settings_ = false;
 }
 
 // A step that comes no nearer is often the way to an answer, so steps are whole, and the best point counts.
 // One step more follows the first that is near enough: it costs little, with the factor of the one before,
 // and leaves next to nothing to drift from tick to tick.
-double Rows::newton(double enough, int most_passes, bool exact, bool near, double loose) {
+double Rows::newton(const Search& by) {
   if (responses_.empty()) lay_out_contacts();
   double best = largest_miss();
   keep(last_);
   try {
-    for (int pass = 0; pass < most_passes; ++pass) {
-      const bool last = best <= enough, first = near && pass == 0;
-      if (last ? !exact : best <= loose * enough) break;
+    for (int pass = 0; pass < by.most_passes; ++pass) {
+      const bool last = best <= by.enough, first = by.near && pass == 0;
+      if (last ? !by.exact : best <= by.loose * by.enough) break;
       if (!newton_step(first, first || last)) break;
       const double miss = largest_miss();
       if (miss < best) {
         best = miss;
         keep(last_);
       }
-      if (last || best <= kExact * enough) break;
+      if (last || best <= kExact * by.enough) break;
     }
   } catch (const WorkSpent&) {
     put_back(last_);  // a limited step starts from there

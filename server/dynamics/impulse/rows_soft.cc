@@ -101,7 +101,11 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const bool is_first = left == std::numeric_limits<double>::infinity();
     const double loose = !softened && is_first ? kLoose : 1.0;
     const double goal = softened ? std::max(enough, kInexact * std::min(left, missed)) : enough;
-    const double miss = newton(goal, most_soft_passes(), !softened, point_softness == softness.now(), loose);
+    const double miss = newton({.enough = goal,
+                                .most_passes = most_soft_passes(),
+                                .exact = !softened,
+                                .near = point_softness == softness.now(),
+                                .loose = loose});
     if (!(miss <= loose * goal)) {
       put_back(start_);
       ++failures;
@@ -130,7 +134,8 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
 bool Rows::follow_firm_points(double enough, double allowed) {
   for (int point = 0; point < kMostLastPoints; ++point) {
     move_centres(0.0);
-    if (!(newton(enough, most_soft_passes(), true, true) <= allowed)) return false;
+    const double miss = newton({.enough = enough, .most_passes = most_soft_passes(), .near = true});
+    if (!(miss <= allowed)) return false;
     if (left_by_softness() <= allowed) return true;
   }
   move_centres(0.0);

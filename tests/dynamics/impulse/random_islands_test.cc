@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/dynamics/impulse/rows.h"
+#include "tests/dynamics/impulse/own_island.h"
 
 namespace visum::dynamics::impulse {
 namespace {
@@ -31,13 +31,13 @@ class RandomIsland {
     }
     for (std::size_t free = below(4); free > 0; --free) {
       const double mass = 0.6 + 0.5 * any();
-      bodies_.push_back({mass, {kInertia * mass, 0, 0, 0, kInertia * mass, 0, 0, 0, kInertia * mass}});
-      for (int i = 0; i < 6; ++i) velocities_.push_back(0.05 * any());
+      own_.bodies.push_back({mass, {kInertia * mass, 0, 0, 0, kInertia * mass, 0, 0, 0, kInertia * mass}});
+      for (int i = 0; i < 6; ++i) own_.velocities.push_back(0.05 * any());
     }
     const bool rolls = below(3) == 0;
     for (std::size_t contact = 1 + below(seed % 10 == 0 ? 40 : 9); contact > 0; --contact) add_contact(rolls);
     respond();
-    start_ = velocities_;
+    start_ = own_.velocities;
     calm_ = below(2) == 0;
   }
 
@@ -50,21 +50,20 @@ class RandomIsland {
   // Solves it three times, with other targets and bounds each time, then gives it a few gentle sweeps.
   Result solve(Rows& rows) {
     Result result;
-    RowIsland island{blocks_, velocities_, bodies_, responses_};
-    island.calm = calm_;
-    rows.prepare(island);
+    own_.prepare(rows);
+    if (calm_) own_.set_calm();
     for (int time = 0; time < 4; ++time) {
       if (time < 3) {
-        rows.solve(100, 1e-11, 1e-6, 0.0);
+        own_.solve(rows, 100);
       } else {
         rows.soften(1.0);
         rows.sweep_gently(5);
       }
-      for (const RowBlock& block : blocks_)
+      for (const RowBlock& block : own_.blocks)
         result.numbers.insert(result.numbers.end(), block.lambda.begin(), block.lambda.end());
-      result.numbers.insert(result.numbers.end(), velocities_.begin(), velocities_.end());
+      result.numbers.insert(result.numbers.end(), own_.velocities.begin(), own_.velocities.end());
       result.gap = std::max(result.gap, gap());
-      for (RowBlock& block : blocks_) {
+      for (RowBlock& block : own_.blocks) {
         if (time == 0) block.target[0] += 0.01 * any();
         if (time == 1 && block.kind == RowBlock::Kind::kContact)
           block.low = 0.5 * std::max(0.0, block.lambda[0]);
@@ -84,7 +83,7 @@ class RandomIsland {
 
   // With one or two of the mechanisms and bodies; sometimes with rolling friction and a row with bounds.
   void add_contact(bool rolls) {
-    const std::size_t parts = mechanisms_.size() + bodies_.size();
+    const std::size_t parts = mechanisms_.size() + own_.bodies.size();
     const std::size_t a = below(parts), b = below(parts);
     const bool alone = a == b || below(3) == 0;
     RowBlock block = block_of(RowBlock::Kind::kContact, 3);
@@ -101,14 +100,14 @@ class RandomIsland {
     }
     connect(block, a, 1.0);
     if (!alone) connect(block, b, -1.0);
-    blocks_.push_back(block);
+    own_.blocks.push_back(block);
     if (rolls && below(2) == 0) {
       RowBlock twist = block_of(RowBlock::Kind::kTwist, 3);
-      twist.contact = blocks_.size() - 1;
+      twist.contact = own_.blocks.size() - 1;
       twist.friction = twist.torsion = 0.01;
       connect(twist, a, 1.0);
       if (!alone) connect(twist, b, -1.0);
-      blocks_.push_back(twist);
+      own_.blocks.push_back(twist);
     }
     if (below(3) == 0) {
       RowBlock stop = block_of(RowBlock::Kind::kBounded, 1);
@@ -116,7 +115,7 @@ class RandomIsland {
       stop.high = 0.01;
       stop.target[0] = 0.02 * any();
       connect(stop, below(mechanisms_.size()), 1.0);
-      blocks_.push_back(stop);
+      own_.blocks.push_back(stop);
     }
   }
 
@@ -153,7 +152,7 @@ class RandomIsland {
       }
       ++i;
     }
-    const double mass = bodies_[body].mass;
+    const double mass = own_.bodies[body].mass;
     rows_.respond(block, end, Matrix3d(Matrix3d::Identity() / (kInertia * mass)).data(), 1.0 / mass);
   }
 
@@ -162,46 +161,45 @@ class RandomIsland {
     for (std::size_t m = 0; m < mechanisms_.size(); ++m) {
       const Mechanism& mechanism = mechanisms_[m];
       const std::size_t size = mechanism.rows.size();
-      for (RowBlock& block : blocks_)
+      for (RowBlock& block : own_.blocks)
         for (std::size_t e = 0; e < block.end_count; ++e) {
           RowEnd& end = block.ends[e];
           if (end.free || end.mechanism != m) continue;
-          end.offset = velocities_.size();
+          end.offset = own_.velocities.size();
           end.size = size;
-          end.response = responses_.size();
+          end.response = own_.responses.size();
         }
-      for (const VectorXd& row : mechanism.rows) velocities_.push_back(row.dot(mechanism.velocity));
+      for (const VectorXd& row : mechanism.rows) own_.velocities.push_back(row.dot(mechanism.velocity));
       for (std::size_t i = 0; i < size; ++i)
         for (std::size_t j = 0; j < size; ++j)
-          responses_.push_back(mechanism.rows[std::max(i, j)]
-                                   .cwiseProduct(mechanism.inverse_mass)
-                                   .dot(mechanism.rows[std::min(i, j)]));
+          own_.responses.push_back(mechanism.rows[std::max(i, j)]
+                                       .cwiseProduct(mechanism.inverse_mass)
+                                       .dot(mechanism.rows[std::min(i, j)]));
     }
   }
 
   double gap() const {
     std::vector<double> expected = start_;
-    for (const RowBlock& block : blocks_)
+    for (const RowBlock& block : own_.blocks)
       for (std::size_t e = 0; e < block.end_count; ++e) {
         const RowEnd& end = block.ends[e];
         for (std::size_t i = 0; i < block.dim; ++i)
           for (std::size_t k = 0; k < (end.free ? 6 : end.size); ++k)
             expected[end.offset + k] +=
                 block.lambda[i] *
-                (end.free ? end.MJ[i][k] : responses_[end.response + (end.first + i) * end.size + k]);
+                (end.free ? end.MJ[i][k] : own_.responses[end.response + (end.first + i) * end.size + k]);
       }
     double largest = 0.0;
     for (std::size_t i = 0; i < expected.size(); ++i)
-      largest = std::max(largest, std::abs(expected[i] - velocities_[i]));
+      largest = std::max(largest, std::abs(expected[i] - own_.velocities[i]));
     return largest;
   }
 
   std::mt19937_64 random_;
   const Rows& rows_;
   std::vector<Mechanism> mechanisms_;
-  std::vector<FreeBody> bodies_;
-  std::vector<RowBlock> blocks_;
-  std::vector<double> velocities_, start_, responses_;
+  OwnIsland own_;
+  std::vector<double> start_;  // velocities
   bool calm_ = false;
 };
 

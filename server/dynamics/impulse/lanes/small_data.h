@@ -8,7 +8,7 @@ namespace visum::dynamics::impulse {
 // A row that takes part. `at` is its place among all rows; of one across the sliding, that of the first
 // tangent.
 struct SmallRow {
-  enum class Kind : std::size_t { kPlain, kDrags, kAcross };
+  enum class Kind { kPlain, kDrags, kAcross };
   std::size_t at;
   Kind kind;
   // kDrags: friction that follows the impulse, on the rows at + 1 and at + 2. kAcross: its direction, of the
