@@ -1,8 +1,8 @@
-// Chunks of recordings, compressed with zstd. Pure functions; any thread. The library stays inside
-// compression.cc.
+// Chunks of recordings, compressed with zstd. The library stays inside compression.cc.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -12,10 +12,24 @@ namespace visum::recording {
 
 inline constexpr std::string_view kZstd = "zstd";  // its name in MCAP files
 
-// Returns false, with anything in `to`, if the bytes would not become fewer.
-bool compress(Bytes plain, std::vector<std::byte>& to);
-// Returns false if `packed` is not what compress() makes of `size` bytes. Allocates no memory where the
-// packed bytes themselves say that they hold another number.
+// Compresses a chunk piece by piece, as it grows, so that no piece holds a thread for long. The same pieces
+// become the same bytes. Used on one thread at a time. Throws std::bad_alloc.
+class Compressor {
+ public:
+  Compressor();
+  ~Compressor();
+
+  void add(Bytes piece);
+  // Adds the last piece. Returns the chunk, until the next call, and begins another one.
+  Bytes finish(Bytes piece);
+
+ private:
+  struct Impl;
+  const std::unique_ptr<Impl> impl_;
+};
+
+// Any thread. Returns false if `packed` is not what a Compressor makes of `size` bytes. Allocates no memory
+// where the packed bytes themselves say that they hold another number.
 bool decompress(Bytes packed, std::size_t size, std::vector<std::byte>& to);
 
 }  // namespace visum::recording

@@ -1,13 +1,12 @@
 #include "protocol/recording/crc32.h"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 namespace visum::recording {
 
 void Crc32::add(Bytes bytes) {
-  if (bytes.empty()) return;  // for a null pointer zlib begins anew
-  const auto* const data = reinterpret_cast<const unsigned char*>(bytes.data());
-  value_ = static_cast<std::uint32_t>(::crc32_z(value_, data, bytes.size()));
+  if (bytes.empty()) return;  // for a null pointer the library begins anew
+  value_ = ::libdeflate_crc32(value_, bytes.data(), bytes.size());
 }
 
 std::uint32_t crc32(Bytes bytes) {

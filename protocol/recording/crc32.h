@@ -1,5 +1,5 @@
 // CRC-32 as MCAP, zip and Ethernet use it (reflected polynomial 0xEDB88320), over bytes that arrive in
-// pieces. zlib computes it.
+// pieces. libdeflate computes it, with the processor's own instructions.
 #pragma once
 
 #include <cstdint>

@@ -18,6 +18,14 @@ inline Bytes bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
+// Writes a number to where there is room for it, and returns the place behind it.
+template <typename T>
+requires std::is_unsigned_v<T> std::byte* put_number(std::byte* at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i)
+    *at++ = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
+  return at;
+}
+
 // Appends to a vector of the caller, which keeps its capacity.
 class LittleWriter {
  public:
@@ -28,8 +36,7 @@ class LittleWriter {
   void number(T value) {
     const auto at = out_.size();
     out_.resize(at + sizeof(T));
-    for (std::size_t i = 0; i < sizeof(T); ++i)
-      out_[at + i] = static_cast<std::byte>(static_cast<std::uint64_t>(value) >> (8 * i));
+    put_number(out_.data() + at, value);
   }
   void raw(Bytes bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
   void text(std::string_view text) {

@@ -1,18 +1,21 @@
 #include "protocol/recording/mcap_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
-
-#include "protocol/recording/compression.h"
 
 namespace visum::recording {
 namespace {
 
-void append_record(std::vector<std::byte>& out, Op op, const std::vector<std::byte>& content) {
+void append_head(std::vector<std::byte>& out, Op op, std::size_t content_size) {
   LittleWriter to(out);
   to.number(static_cast<std::uint8_t>(op));
-  to.number(static_cast<std::uint64_t>(content.size()));
-  to.raw(content);
+  to.number(static_cast<std::uint64_t>(content_size));
+}
+
+void append_record(std::vector<std::byte>& out, Op op, const std::vector<std::byte>& content) {
+  append_head(out, op, content.size());
+  LittleWriter(out).raw(content);
 }
 
 }  // namespace
@@ -59,6 +62,7 @@ std::uint16_t McapWriter::add_schema(std::string_view name, std::string_view enc
 std::uint16_t McapWriter::add_channel(std::string_view topic, std::uint16_t schema,
                                       std::string_view encoding) {
   messages_by_channel_.push_back(0);
+  indexes_.emplace_back();
   const auto id = static_cast<std::uint16_t>(messages_by_channel_.size());
   std::vector<std::byte> channel;
   LittleWriter to(channel);
@@ -79,17 +83,32 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns, std::ui
                             std::to_string(kMaxMessageBytes >> 20));
   if (messages_++ == 0) from_ns_ = log_time_ns;
   until_ns_ = std::max(until_ns_, log_time_ns);
-  if (indexes_.empty()) chunk_from_ns_ = log_time_ns;
-  indexes_[channel].emplace_back(log_time_ns, chunk_.size());
-  LittleWriter to(chunk_);
-  to.number(static_cast<std::uint8_t>(Op::kMessage));
-  to.number(static_cast<std::uint64_t>(2 + 4 + 8 + 8 + data.size()));
-  to.number(channel);
-  to.number(messages_by_channel_[channel - 1u]++);
-  to.number(log_time_ns);
-  to.number(publish_time_ns);
-  to.raw(data);
-  if (chunk_.size() >= kChunkBytes) flush();
+  if (chunk_messages_++ == 0) chunk_from_ns_ = log_time_ns;
+  auto& index = indexes_[channel - 1u];
+  index.resize(index.size() + 16);
+  put_number(put_number(index.data() + index.size() - 16, log_time_ns),
+             static_cast<std::uint64_t>(chunk_.size()));
+  constexpr std::size_t kHead = 2 + 4 + 8 + 8;
+  const auto start = chunk_.size();
+  chunk_.resize(start + kRecordHeadBytes + kHead + data.size());
+  auto* at = put_number(chunk_.data() + start, static_cast<std::uint8_t>(Op::kMessage));
+  at = put_number(at, static_cast<std::uint64_t>(kHead + data.size()));
+  at = put_number(at, channel);
+  at = put_number(at, messages_by_channel_[channel - 1u]++);
+  at = put_number(at, log_time_ns);
+  at = put_number(at, publish_time_ns);
+  std::ranges::copy(data, at);
+  if (chunk_.size() >= kChunkBytes)
+    put_chunk();
+  else if (how_ == Chunks::kCompressed && chunk_.size() - packed_ >= kPieceBytes)
+    compressor_.add(take_piece());
+}
+
+Bytes McapWriter::take_piece() {
+  const auto piece = Bytes(chunk_).subspan(packed_);
+  packed_ = chunk_.size();
+  chunk_crc_.add(piece);
+  return piece;
 }
 
 void McapWriter::attach(const Attachment& attachment) {
@@ -114,46 +133,51 @@ void McapWriter::flush() {
 
 // Writes the chunk and the indexes of its messages, and remembers it for the summary.
 void McapWriter::put_chunk() {
-  const auto until_ns = indexes_.empty() ? 0 : until_ns_;
-  const bool packs = how_ == Chunks::kCompressed && compress(chunk_, packed_);
-  const auto& stored = packs ? packed_ : chunk_;
-  const auto compression = packs ? kZstd : std::string_view();
+  const auto until_ns = chunk_messages_ == 0 ? 0 : until_ns_;
+  const auto piece = take_piece();
+  Bytes stored = chunk_;
+  std::string_view compression;
+  if (how_ == Chunks::kCompressed) {
+    const auto packed = compressor_.finish(piece);
+    if (packed.size() < stored.size()) stored = packed, compression = kZstd;
+  }
   ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), stored.size(), compression, {}};
   content_.clear();
+  append_head(content_, Op::kChunk, 8 + 8 + 8 + 4 + 4 + compression.size() + 8 + stored.size());
   LittleWriter to(content_);
-  to.number(static_cast<std::uint8_t>(Op::kChunk));
-  to.number(static_cast<std::uint64_t>(8 + 8 + 8 + 4 + 4 + compression.size() + 8 + stored.size()));
   to.number(chunk_from_ns_);
   to.number(until_ns);
   to.number(static_cast<std::uint64_t>(chunk_.size()));
-  to.number(crc32(chunk_));
+  to.number(chunk_crc_.value());
   to.text(compression);
   to.number(static_cast<std::uint64_t>(stored.size()));
-  to.raw(stored);
   put(content_);
+  put(stored);
   index.length = place_ - index.start;
   put_message_indexes(index);
   chunks_.push_back(std::move(index));
   chunk_.clear();
-  indexes_.clear();
-  chunk_from_ns_ = 0;
+  chunk_crc_ = {};
+  packed_ = 0;
+  chunk_messages_ = chunk_from_ns_ = 0;
 }
 
 void McapWriter::put_message_indexes(ChunkIndex& chunk) {
-  const auto start = place_;
-  for (const auto& [channel, entries] : indexes_) {
-    chunk.message_indexes.emplace_back(channel, place_);
-    content_.clear();
+  content_.clear();
+  for (std::size_t i = 0; i < indexes_.size(); ++i) {
+    auto& entries = indexes_[i];
+    if (entries.empty()) continue;
+    const auto channel = static_cast<std::uint16_t>(i + 1);
+    chunk.message_indexes.emplace_back(channel, place_ + content_.size());
+    append_head(content_, Op::kMessageIndex, 2 + 4 + entries.size());
     LittleWriter to(content_);
     to.number(channel);
-    to.number(static_cast<std::uint32_t>(entries.size() * 16));
-    for (const auto& [time, place] : entries) {
-      to.number(time);
-      to.number(place);
-    }
-    put_record(Op::kMessageIndex, content_);
+    to.number(static_cast<std::uint32_t>(entries.size()));
+    to.raw(entries);
+    entries.clear();
   }
-  chunk.index_length = place_ - start;
+  chunk.index_length = content_.size();
+  put(content_);
 }
 
 void McapWriter::close() {

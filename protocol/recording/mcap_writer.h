@@ -4,12 +4,12 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "protocol/recording/compression.h"
 #include "protocol/recording/crc32.h"
 #include "protocol/recording/mcap.h"
 
@@ -19,7 +19,8 @@ class McapWriter {
  public:
   // Appends bytes to the file. It throws if it cannot; the writer must not be used after that.
   using Sink = std::function<void(Bytes)>;
-  static constexpr std::size_t kChunkBytes = 1u << 20;  // a chunk ends when it has so many bytes
+  static constexpr std::size_t kChunkBytes = 1u << 20;   // a chunk ends when it has so many bytes
+  static constexpr std::size_t kPieceBytes = 16u << 10;  // and it is compressed so many at a time
   // So that a chunk with one such message can still be read.
   static constexpr std::size_t kMaxMessageBytes = kMaxRecordBytes - 2 * kChunkBytes;
 
@@ -36,7 +37,6 @@ class McapWriter {
   void close();                               // writes the summary and the end; the last call
 
  private:
-  using MessageIndex = std::vector<std::pair<std::uint64_t, std::uint64_t>>;  // log time, place in the chunk
   struct ChunkIndex {
     std::uint64_t from_ns, until_ns, start, length, index_length, bytes, stored_bytes;
     std::string_view compression;
@@ -49,6 +49,7 @@ class McapWriter {
 
   void put(Bytes bytes);
   void put_record(Op op, const std::vector<std::byte>& content);
+  Bytes take_piece();  // of the chunk: what was not compressed yet
   void put_chunk();
   void put_message_indexes(ChunkIndex& chunk);
   void put_summary();
@@ -60,9 +61,14 @@ class McapWriter {
   Crc32 crc_;  // of the data section, then of the summary
   std::uint64_t place_ = 0;
   const Chunks how_;
-  std::vector<std::byte> chunk_, packed_, content_;
+  std::vector<std::byte> chunk_, content_;
+  Compressor compressor_;
+  Crc32 chunk_crc_;         // of its first `packed_` bytes,
+  std::size_t packed_ = 0;  // which the compressor has
   std::uint64_t chunk_from_ns_ = 0;
-  std::map<std::uint16_t, MessageIndex> indexes_;   // of the current chunk, by channel
+  // Of the current chunk, by the channel's number - 1: each message's log time and place in the chunk.
+  std::vector<std::vector<std::byte>> indexes_;
+  std::uint64_t chunk_messages_ = 0;
   std::vector<std::byte> schemas_, channels_;       // their records, repeated in the summary
   std::vector<std::uint32_t> messages_by_channel_;  // by the channel's number - 1
   std::vector<ChunkIndex> chunks_;

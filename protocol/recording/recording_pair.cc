@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "protocol/config/config.h"
@@ -28,6 +29,10 @@ bool RecordingPair::Side::next() {
   for (auto item = file.next(); !std::holds_alternative<RecordingFile::End>(item); item = file.next()) {
     if (const auto* part = std::get_if<const protocol::PartDescription*>(&item)) describe(**part);
     if (const auto* sample = std::get_if<const protocol::PartSample*>(&item)) keep(**sample);
+    if (const auto* whole = std::get_if<const State*>(&item)) {
+      state = (*whole)->state;
+      state_at = {ticks, (*whole)->tick};
+    }
     if (const auto* tick = std::get_if<const Tick*>(&item)) {
       now = **tick;
       ++ticks;
@@ -77,11 +82,12 @@ void RecordingPair::compare_settings() {
   note("parameters", a.parameters, b.parameters);
   note("version", a.build.version + " " + a.build.commit, b.build.version + " " + b.build.commit);
   note("compiler", a.build.compiler, b.build.compiler);
-  std::map<std::string, std::uint32_t> crcs;
-  for (const auto& file : a.files) crcs[std::filesystem::path(file.name).filename()] = file.crc;
+  // Files of two folders may have one name.
+  std::map<std::string, std::set<std::uint32_t>> crcs;
+  for (const auto& file : a.files) crcs[std::filesystem::path(file.name).filename()].insert(file.crc);
   for (const auto& file : b.files) {
     const auto found = crcs.find(std::filesystem::path(file.name).filename());
-    if (found != crcs.end() && found->second != file.crc)
+    if (found != crcs.end() && !found->second.contains(file.crc))
       settings_.push_back("file " + found->first + ": not the same content");
   }
   if (a.tick_ns != b.tick_ns)
@@ -114,6 +120,7 @@ bool RecordingPair::next() {
   a_.is_there = a_.is_there && a_.next();
   b_.is_there = b_.is_there && b_.next();
   if (begins) pair_ports();
+  compare_states();
   if (a_.is_there != b_.is_there) differ();
   if (!both()) return a_.is_there || b_.is_there;
   const auto &a = a_.now, &b = b_.now;
@@ -129,6 +136,10 @@ double RecordingPair::seconds(std::uint64_t ticks) const {
 
 void RecordingPair::differ() {
   if (!first_) first_ = {std::max(ticks_a(), ticks_b()), (a_.is_there ? a_ : b_).now.tick};
+}
+
+void RecordingPair::compare_states() {
+  if (!first_ && a_.state_at.position == b_.state_at.position && a_.state != b_.state) first_ = a_.state_at;
 }
 
 void RecordingPair::compare_ports() {

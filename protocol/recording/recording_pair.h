@@ -1,6 +1,7 @@
 // Reads two recordings tick by tick and tells where they differ: `visum compare`, and a recording that the
 // page shows beside another one. A tick of one is compared with the same tick of the other, counted from the
-// beginning. Ports are compared bit for bit, the state by its hash. Any one thread.
+// beginning. Ports are compared bit for bit, the state where both hold its hash, or all of it. Any one
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -74,14 +75,17 @@ class RecordingPair {
     std::map<std::string, Place> places;  // by part
     std::vector<Name> names;
     std::vector<double> values;
-    Tick now;  // but for its fault
+    Tick now;                      // but for its fault
+    std::vector<std::byte> state;  // the whole one that was read last,
+    Moment state_at;               // and the tick that it stands behind
     std::uint64_t ticks = 0;
     bool is_there = true;
   };
 
   void compare_settings();
   void pair_ports();
-  void differ();  // in this tick
+  void differ();          // in this tick
+  void compare_states();  // which came behind the ticks before
   void compare_ports();
 
   Side a_, b_;

@@ -53,7 +53,13 @@ struct Header {
   std::vector<std::pair<std::string, std::string>> packages;  // name and folder, as --package gave them
   std::vector<std::string> package_folders;                   // of the environment
 };
-inline constexpr std::uint64_t kNoHash = 0;  // the hash was not computed in this tick
+// The hash costs a tenth of a tick. So it is taken in the ticks with these numbers, which two recordings have
+// in common, and wherever a state is written or the world froze.
+inline constexpr std::int64_t kHashEvery = 50;
+inline bool is_hashed(std::int64_t tick) {
+  return tick % kHashEvery == 0;
+}
+inline constexpr std::uint64_t kNoHash = 0;  // it was not taken in this tick
 struct Tick {
   std::int64_t tick = 0;
   std::uint64_t era = 0;

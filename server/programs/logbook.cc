@@ -24,6 +24,7 @@ Logbook::~Logbook() {
 
 bool Logbook::close() {
   log_.follow(nullptr);
+  if (recorder_) recorder_->end();
   return !recorder_ || recorder_->close() || !needed_;
 }
 

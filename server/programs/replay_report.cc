@@ -40,11 +40,14 @@ std::string other_build(const recording::Replay& replay) {
 void print(const recording::Replay& replay) {
   std::cout << replay.header.scene << ": " << replay.ticks << " ticks with the same bits, " << replay.inputs
             << " inputs\n";
+  if (const auto later = replay.ticks - replay.hashed_ticks; later > 0)
+    std::cout << "  the last " << later << " by their ports alone, as no hash of the state was recorded\n";
   if (!replay.equal) {
     const auto& at = replay.difference;
     std::cout << "DIFFERENT at tick " << at.tick << " of era " << at.era << " (" << seconds(at.sim_time_ns)
-              << "): " << at.what << "\n  state hash recorded " << hex(at.recorded_hash) << ", replayed "
-              << hex(at.replayed_hash) << "\n";
+              << "): " << at.what << "\n  state hash recorded "
+              << (at.recorded_hash == recording::kNoHash ? "not taken in this tick" : hex(at.recorded_hash))
+              << ", replayed " << hex(at.replayed_hash) << "\n";
     for (const auto& port : at.ports)
       std::cout << "  " << port.part << ": " << port.port << " recorded " << exact(port.recorded)
                 << ", replayed " << exact(port.replayed) << "\n";
@@ -59,7 +62,7 @@ void print(const recording::Replay& replay) {
 void print_as_json(const recording::Replay& replay) {
   const auto& at = replay.difference;
   std::cout << "{\"equal\":" << (replay.equal ? "true" : "false") << ",\"ticks\":" << replay.ticks
-            << ",\"inputs\":" << replay.inputs
+            << ",\"hashed_ticks\":" << replay.hashed_ticks << ",\"inputs\":" << replay.inputs
             << ",\"state_hash\":" << protocol::json_quoted(hex(replay.last_hash))
             << ",\"damage\":" << protocol::json_quoted(replay.damage);
   if (!replay.equal) {
@@ -71,7 +74,9 @@ void print_as_json(const recording::Replay& replay) {
                ",\"replayed\":" + protocol::json_quoted(exact(port.replayed)) + "}";
     std::cout << ",\"difference\":{\"tick\":" << at.tick << ",\"era\":" << at.era
               << ",\"sim_time_ns\":" << at.sim_time_ns << ",\"what\":" << protocol::json_quoted(at.what)
-              << ",\"recorded_hash\":" << protocol::json_quoted(hex(at.recorded_hash))
+              << ",\"recorded_hash\":"
+              << (at.recorded_hash == recording::kNoHash ? "null"
+                                                         : protocol::json_quoted(hex(at.recorded_hash)))
               << ",\"replayed_hash\":" << protocol::json_quoted(hex(at.replayed_hash))
               << ",\"other_build\":" << protocol::json_quoted(other_build(replay)) << ",\"ports\":[" << ports
               << "]}";

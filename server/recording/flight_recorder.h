@@ -21,7 +21,6 @@ namespace visum::recording {
 class FlightRecorder : public cycle::Observer {
  public:
   static constexpr std::size_t kTicks = 1000;           // of a half
-  static constexpr std::size_t kHashEvery = 50;         // ticks: a hash costs a tenth of a tick
   static constexpr std::size_t kInputBytes = 1u << 20;  // of a half: more of them end it sooner
   static constexpr int kMostFiles = 10;  // of one run: a world that freezes over and over fills no disk
 

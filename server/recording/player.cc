@@ -27,6 +27,8 @@ void Player::read_through() {
       if (const auto* loaded = std::get_if<LoadScene>(&(*input)->input)) note_scene(loaded->scene);
     events_.take(item, ticks_);
   }
+  // A state at the very end serves no seeking, and restoring it would drop the last tick's contacts.
+  if (!points_.empty() && points_.back().position == ticks_ && ticks_ > 0) points_.pop_back();
   damage_ = file_.damage();
   position_ = ticks_ + 1;  // no position of the file: the first seek() must go to a state
 }

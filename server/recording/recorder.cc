@@ -63,12 +63,23 @@ void Recorder::write_first() {
   writer_->start();
 }
 
+// The second observer of a world that may be gone: end() was called, or begin() was not.
 Recorder::~Recorder() {
-  close();
+  if (!is_second_) stop_observing();
+}
+
+void Recorder::stop_observing() {
+  is_second_ ? simulation_.set_second_observer(nullptr) : simulation_.set_observer(nullptr);
+}
+
+void Recorder::end() try {
+  stop_observing();
+  if (!is_sealed_ && !writer_->ended() && !simulation_.frozen()) put_state();
+} catch (const std::bad_alloc&) {
+  writer_->end(kNoMemory);
 }
 
 bool Recorder::close() {
-  if (!is_second_) simulation_.set_observer(nullptr);
   return writer_->close();
 }
 
@@ -81,6 +92,7 @@ void Recorder::took(const TimedInput& input) try {
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
+  is_sealed_ = false;
   look_at_parts();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
@@ -100,11 +112,13 @@ void Recorder::ticked() try {
            bytes_);
     put(channel_of_[i], time_ns);
   }
+  const bool state_due = time_ns_ >= next_state_ns_ && !simulation_.frozen();
+  is_sealed_ = state_due || simulation_.frozen() || is_hashed(tick);
+  const auto hash = is_sealed_ ? simulation_.state_hash() : kNoHash;
   bytes_.clear();
-  encode(Tick{tick, simulation_.era(), time_ns, simulation_.state_hash(), simulation_.fault()}, bytes_);
+  encode(Tick{tick, simulation_.era(), time_ns, hash, simulation_.fault()}, bytes_);
   put(channels_.ticks, time_ns);
-  if (time_ns_ < next_state_ns_ || simulation_.frozen()) return;
-  put_state();
+  if (state_due) put_state();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
 }

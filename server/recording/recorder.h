@@ -1,6 +1,6 @@
 // Records a world in a file that holds everything that a replay needs: the scene's files, each input that the
-// world took between ticks, and after each tick every port and the hash of the state. Once per simulated
-// second it adds the whole state, so that a player can seek.
+// world took between ticks, after each tick every port, and after some the hash of the state (records.h).
+// Once per simulated second it adds the whole state, so that a player can seek.
 //
 // Lives on the tick's thread and never makes a realtime tick wait: a thread of its own writes the file
 // (recording_writer.h). Where the disk fails, the recording ends, the log says so, and the world goes on.
@@ -34,10 +34,11 @@ class Recorder : public cycle::Observer {
                                            const std::filesystem::path& file);
   void begin();
   void write_first();
-  void end() { simulation_.set_second_observer(nullptr); }
 
-  // Observes no more and completes the file. Returns whether it holds all that happened; the log has said why
-  // not.
+  // Tick's thread, between ticks. Observes no more, and adds the whole state, so that a replay knows that all
+  // came out the same. Without it the last ticks are compared by their ports only.
+  void end();
+  // Completes the file. Returns whether it holds all that happened; the log has said why not.
   bool close();
 
   void took(const TimedInput& input) override;
@@ -51,6 +52,7 @@ class Recorder : public cycle::Observer {
   void put(std::uint16_t channel, std::int64_t publish_time_ns);  // hands bytes_ to the writer
   void take_state();                                              // encodes the whole state into bytes_
   void put_state();
+  void stop_observing();
   // Finds the channel of each part, once the parts are others, and describes those that came.
   void look_at_parts();
 
@@ -60,6 +62,7 @@ class Recorder : public cycle::Observer {
   Channels channels_;
   std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras
   std::uint64_t next_state_ns_ = 1'000'000'000;  // of time_ns_: when the next whole state is due
+  bool is_sealed_ = false;                       // the hash of the state as it is now stands in the file
   State state_;
   State first_;  // from begin() to write_first()
   // The parts of the beginning, by their channels, kept so that none is taken for another; and the channel of

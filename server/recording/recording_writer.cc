@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -22,6 +23,10 @@ constexpr milliseconds kRound{10};   // how often the thread looks at its queue
 constexpr milliseconds kFlush{500};  // how long a message waits for its chunk to be full
 constexpr milliseconds kRoom{1};     // how often the tick's thread looks for room
 constexpr std::chrono::seconds kPatience{10};
+// After so many bytes the thread lets others have its processor. Where a controller looks for its answer
+// there (protocol/busy_wait.h), it finds it within some 10 µs, not when all that waits is written.
+constexpr std::size_t kTurn = 8u << 10;        // of messages; a piece that is compressed is two turns
+constexpr std::size_t kWriteTurn = 32u << 10;  // handed to the operating system
 
 int make_file(const std::filesystem::path& file) {
   const auto fail = [&](int fd, const char* why) {
@@ -34,7 +39,9 @@ int make_file(const std::filesystem::path& file) {
   if (::fstat(fd, &what) != 0 || !S_ISREG(what.st_mode)) return fd;
   // Not every file system has locks. Without them, nothing shows that another program writes the file.
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(fd, "another program is writing it");
-  if (::ftruncate(fd, 0) != 0) fail(fd, std::strerror(errno));
+  // Where an empty file is cut, too, some file systems wait for the disk when it is closed.
+  if (::fstat(fd, &what) != 0 || (what.st_size > 0 && ::ftruncate(fd, 0) != 0))
+    fail(fd, std::strerror(errno));
   return fd;
 }
 
@@ -109,6 +116,7 @@ void RecordingWriter::end(std::string_view why) {
 }
 
 void RecordingWriter::run() try {
+  writer_.flush();  // the beginning
   auto flushed = Clock::now();
   for (bool stopping = false; !stopping;) {
     {
@@ -134,7 +142,11 @@ void RecordingWriter::run() try {
 void RecordingWriter::work() {
   write_lines();
   Head head{};
-  while (queue_.waiting() > 0) {
+  for (std::size_t since = 0; queue_.waiting() > 0; since += head.size) {
+    if (since >= kTurn) {
+      std::this_thread::yield();
+      since = 0;
+    }
     queue_.take(std::as_writable_bytes(std::span(&head, 1)));
     taken_.resize(head.size);
     queue_.take(taken_);
@@ -155,10 +167,11 @@ void RecordingWriter::write_lines() {
 
 void RecordingWriter::write(Bytes bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(out_.fd, bytes.data(), bytes.size());
+    const ssize_t written = ::write(out_.fd, bytes.data(), std::min(bytes.size(), kWriteTurn));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) throw std::runtime_error(std::strerror(errno));
     bytes = bytes.subspan(static_cast<std::size_t>(written));
+    if (!bytes.empty()) std::this_thread::yield();
   }
 }
 

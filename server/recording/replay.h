@@ -1,5 +1,6 @@
 // Replays a recording: a fresh world, made of the files in the recording, takes the same inputs between the
-// same ticks, and after each tick its hash is compared with the recorded one. Any one thread.
+// same ticks. After each tick its hash is compared with the recorded one, or its ports where no hash was
+// recorded (records.h). Any one thread.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,7 @@ struct Difference {
   std::int64_t tick = 0;
   std::uint64_t era = 0;
   std::int64_t sim_time_ns = 0;
-  std::uint64_t recorded_hash = 0, replayed_hash = 0;
+  std::uint64_t recorded_hash = kNoHash, replayed_hash = kNoHash;
   std::string what;                   // says in words what differs
   std::vector<PortDifference> ports;  // the ports that differ, kMaxPorts at most
   static constexpr std::size_t kMaxPorts = 10;
@@ -33,9 +34,10 @@ struct Difference {
 
 struct Replay {
   Header header;
-  std::uint64_t ticks = 0;   // how many were equal
-  std::uint64_t inputs = 0;  // how many were taken
-  std::uint64_t last_hash = 0;
+  std::uint64_t ticks = 0;         // how many were equal
+  std::uint64_t hashed_ticks = 0;  // up to where the whole state was: later ones were compared by their ports
+  std::uint64_t inputs = 0;        // how many were taken
+  std::uint64_t last_hash = 0;     // of the replayed world's state at the end
   bool equal = true;
   Difference difference;  // where !equal
   std::string damage;     // why the file was not read to its end; empty: it was

@@ -97,6 +97,7 @@ bool Replayer::run(std::uint64_t ticks) {
       take(item);
     }
   }
+  result_.last_hash = world_.state_hash();
   return !over_;
 }
 
@@ -125,7 +126,9 @@ void Replayer::take(const TimedInput& input) {
 // A state at the beginning is restored. Later ones are compared, as ticks are.
 void Replayer::take(const State& state) {
   if (begun_) {
-    if (world::hash_bytes(state.state) != world_.state_hash()) differ("the whole state is another one");
+    const auto hash = world::hash_bytes(state.state);
+    if (hash != world_.state_hash()) return differ("the whole state is another one", hash);
+    result_.hashed_ticks = result_.ticks;
     return;
   }
   begun_ = true;
@@ -137,31 +140,29 @@ void Replayer::compare(const Tick& tick) {
   begun_ = true;
   if (world_.frozen()) return differ("the recorded world went on after it froze");
   world_.tick();
-  result_.last_hash = world_.state_hash();
-  result_.difference.recorded_hash = tick.state_hash;
   if (tick.tick != world_.tick_count() || tick.era != world_.era())
     return differ("the recorded tick is number " + std::to_string(tick.tick) + " of era " +
                   std::to_string(tick.era));
   if (tick.fault != world_.fault())
     return differ("the recorded world says '" + std::string(tick.fault) + "', this one '" + world_.fault() +
                   "'");
-  if (tick.state_hash == kNoHash) {
-    compare_ports();
-    if (!result_.difference.ports.empty()) return differ("ports are others");
-  } else if (tick.state_hash != result_.last_hash) {
-    compare_ports();
-    return differ("the state is another one");
-  }
+  const bool hashed = tick.state_hash != kNoHash;
+  const bool same_state = !hashed || tick.state_hash == world_.state_hash();
+  if (!hashed || !same_state) compare_ports();
+  if (!same_state) return differ("the state is another one", tick.state_hash);
+  if (!result_.difference.ports.empty()) return differ("ports are others");
   ++result_.ticks;
+  if (hashed) result_.hashed_ticks = result_.ticks;
 }
 
-void Replayer::differ(const std::string& what) {
+void Replayer::differ(const std::string& what, std::uint64_t recorded_hash) {
   over_ = true;
   result_.equal = false;
   auto& difference = result_.difference;
   difference.tick = world_.tick_count();
   difference.era = world_.era();
   difference.sim_time_ns = world_.sim_time_ns();
+  difference.recorded_hash = recorded_hash;
   difference.replayed_hash = world_.state_hash();
   difference.what = what;
 }

@@ -50,7 +50,7 @@ class Replayer {
   // Makes a tick and compares it with the recorded one.
   void compare(const Tick& tick);
   // Ends the replay; result() then says `what` and where the world stands.
-  void differ(const std::string& what);
+  void differ(const std::string& what, std::uint64_t recorded_hash = kNoHash);
   // Notes the ports that differ, for the user.
   void compare_ports();
   void compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,

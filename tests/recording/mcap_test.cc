@@ -99,6 +99,36 @@ TEST(Mcap, CompressedAndPlainChunksHoldTheSame) {
   EXPECT_EQ(from_packed.texts, from_plain.texts);
 }
 
+// Of several chunks, each of many pieces: text, then bytes that cannot be packed, which stay as they are.
+std::string long_file() {
+  std::string file;
+  McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test");
+  const auto channel = writer.add_channel("/long", writer.add_schema("a", "", {}), "");
+  std::uint32_t random = 1;
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    std::string text(700, 'x');
+    for (std::size_t k = i % 7; k < text.size(); k += i < 3000 ? 9 : 1)
+      text[k] = static_cast<char>((random = random * 1'664'525u + 1'013'904'223u) >> 24);
+    writer.write(channel, i, i, bytes_of(text));
+  }
+  writer.write(channel, 4000, 4000, bytes_of(std::string(3u << 20, 'y')));
+  writer.close();
+  return file;
+}
+
+TEST(Mcap, AChunkMayBePackedInManyPieces) {
+  const auto file = long_file();
+  EXPECT_EQ(file, long_file());
+  const auto all = read(file);
+  EXPECT_EQ(all.damage, "");
+  ASSERT_EQ(all.texts.size(), 4001u);
+  EXPECT_EQ(all.texts[2999].size(), all.texts[3000].size());
+  EXPECT_EQ(all.texts[4000], "/long 4000 4000 " + std::string(3u << 20, 'y'));
+  constexpr std::size_t kUnpackable = 1000 * 700, kAll = 4000 * 700 + (3u << 20);
+  EXPECT_GT(file.size(), kUnpackable);
+  EXPECT_LT(file.size(), kUnpackable + (kAll - kUnpackable) / 4);
+}
+
 TEST(Mcap, AChunkThatIsPackedInAnotherWayIsRefused) {
   auto file = big_file(McapWriter::Chunks::kCompressed);
   file.replace(file.find("zstd"), 4, "lz4!");

@@ -34,8 +34,9 @@ class RecordedWorld {
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) simulation_->tick();
   }
-  // Ends the recording.
-  std::filesystem::path finish() {
+  // Ends the recording in good order, or as one that is cut after its last tick.
+  std::filesystem::path finish(bool in_good_order = true) {
+    if (in_good_order) recorder_->end();
     recorder_.reset();
     return file();
   }

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "protocol/recording/loaded_scene.h"
 #include "protocol/recording/records.h"
@@ -148,6 +150,31 @@ TEST(Records, BytesThatAreNoInputAreRefused) {
   bytes.clear();
   encode(TimedInput{0, 1, BusTelegram{"arm", 0, 0, 1, bytes_of("123456789")}}, bytes);
   EXPECT_FALSE(message.decode(bytes)) << "nine bytes";
+}
+
+// Samples are encoded without the library's message, which reads them here.
+TEST(Records, SamplesComeBackAsTheyWere) {
+  const std::vector<double> some{0.1, -0.0, 1e-310, std::numeric_limits<double>::infinity()}, none;
+  const std::vector<double> many(200, 0.25);  // their length takes two bytes
+  const Sample samples[] = {{"arm", 1234, 1'234'000'000, 5, some, many},
+                            {"a part with a longer name", -1, -1'000'000, 1, many, none},
+                            {"", 0, 0, 0, none, some}};
+  for (const auto& sample : samples) {
+    std::vector<std::byte> bytes(3);
+    encode(sample, bytes);
+    protocol::PartSample back;
+    ASSERT_TRUE(decode(Bytes(bytes).subspan(3), back)) << "appended";
+    EXPECT_EQ(back.part, sample.part);
+    EXPECT_EQ(back.tick, sample.tick);
+    EXPECT_EQ(back.sim_time_ns, sample.sim_time_ns);
+    EXPECT_EQ(back.era, sample.era);
+    const auto expect_bits = [](const std::vector<double>& read, std::span<const double> written) {
+      ASSERT_EQ(read.size(), written.size());
+      EXPECT_TRUE(read.empty() || std::memcmp(read.data(), written.data(), written.size_bytes()) == 0);
+    };
+    expect_bits(back.controller_inputs, sample.controller_inputs);
+    expect_bits(back.sensor_outputs, sample.sensor_outputs);
+  }
 }
 
 TEST(Records, TheHeaderAndTheTickComeBack) {

@@ -206,13 +206,64 @@ TEST(Replay, ShowsTheFirstTickThatDiffersWithItsPorts) {
   EXPECT_FALSE(result.equal);
   EXPECT_EQ(result.ticks, 30u);
   EXPECT_EQ(result.difference.tick, 31);
-  EXPECT_EQ(result.difference.what, "the state is another one");
-  EXPECT_NE(result.difference.recorded_hash, result.difference.replayed_hash);
+  EXPECT_EQ(result.difference.what, "ports are others");
   ASSERT_FALSE(result.difference.ports.empty());
   EXPECT_EQ(result.difference.ports[0].part, "robot");
   EXPECT_EQ(result.difference.ports[0].port, "Desired Angle 2");
   EXPECT_EQ(result.difference.ports[0].recorded, 0.1);
   EXPECT_EQ(result.difference.ports[0].replayed, 0.1000001);
+}
+
+// A ball that another force pushes than the one that was recorded, where no port shows it.
+std::filesystem::path forged_push(RecordedWorld& world, int ticks, bool in_good_order) {
+  EXPECT_TRUE(world->add_body(kBall).done());
+  world.run(10);
+  const auto ball = world->model().find_body("ball");
+  EXPECT_TRUE(world->push({{ball, {0.0, 0.1, 0.0}, {0.0, 0.0, 0.0}}, 15}).done());
+  world.run(ticks - 10);
+  const auto forged = world.files().folder() / "forged.mcap";
+  forge(world.finish(in_good_order), forged, "/inputs", 1, [&](std::vector<std::byte>& data) {
+    data.clear();
+    encode(TimedInput{10, 1, PushBody{static_cast<std::int32_t>(ball.value), {0.0, 0.2, 0.0}, {}, 15}}, data);
+  });
+  return forged;
+}
+
+TEST(Replay, FindsAtTheNextHashWhatNoPortShows) {
+  RecordedWorld world;
+  const auto result = replay(forged_push(world, 60, true));
+  EXPECT_FALSE(result.equal);
+  EXPECT_EQ(result.difference.what, "the state is another one");
+  EXPECT_EQ(result.difference.tick, 50);
+  EXPECT_NE(result.difference.recorded_hash, kNoHash);
+  EXPECT_NE(result.difference.recorded_hash, result.difference.replayed_hash);
+  EXPECT_TRUE(result.difference.ports.empty());
+  EXPECT_EQ(result.ticks, 49u);
+  EXPECT_EQ(result.hashed_ticks, 0u);
+}
+
+// Its last ticks have no hash, but there is the whole state behind them.
+TEST(Replay, FindsAtTheEndWhatNoPortShows) {
+  RecordedWorld world;
+  const auto result = replay(forged_push(world, 30, true));
+  EXPECT_FALSE(result.equal);
+  EXPECT_EQ(result.difference.what, "the whole state is another one");
+  EXPECT_NE(result.difference.recorded_hash, kNoHash);
+  EXPECT_NE(result.difference.recorded_hash, result.difference.replayed_hash);
+  EXPECT_EQ(result.ticks, 30u);
+}
+
+TEST(Replay, TellsHowFarTheWholeStateWasCompared) {
+  RecordedWorld world, cut;
+  world.run(130);
+  const auto whole = replay(world.finish());
+  EXPECT_EQ(whole.ticks, 130u);
+  EXPECT_EQ(whole.hashed_ticks, 130u);
+  cut.run(130);
+  const auto part = replay(cut.finish(false));
+  EXPECT_TRUE(part.equal);
+  EXPECT_EQ(part.ticks, 130u);
+  EXPECT_EQ(part.hashed_ticks, 100u);
 }
 
 struct BadInput {
