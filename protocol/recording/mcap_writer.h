@@ -66,7 +66,7 @@ class McapWriter {
   Crc32 chunk_crc_;         // of its first `packed_` bytes,
   std::size_t packed_ = 0;  // which the compressor has
   std::uint64_t chunk_from_ns_ = 0;
-  // Of the current chunk, by the channel's number - 1: each message's log time and place in the chunk.
+  // The current chunk's, by the channel's number - 1: each message's log time and place in the chunk.
   std::vector<std::vector<std::byte>> indexes_;
   std::uint64_t chunk_messages_ = 0;
   std::vector<std::byte> schemas_, channels_;       // their records, repeated in the summary

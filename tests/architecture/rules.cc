@@ -67,7 +67,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"jpeglib.h", {"server/sensing", "tests"}},
     {"CLI/", {"protocol/command_line", "server/programs", "clients", "tests"}},
     {"zstd.h", {"protocol/recording", "tests"}},
-    {"zlib.h", {"protocol/recording", "tests"}},
+    {"libdeflate.h", {"protocol/recording"}},
     {"xxhash.h", {"server", "clients/visum/campaign", "tests"}},
     {"sqlite3.h", {"clients/visum/campaign", "tests"}},
     {"boost/random/", {"clients/visum/run", "tests"}},

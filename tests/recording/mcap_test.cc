@@ -99,7 +99,7 @@ TEST(Mcap, CompressedAndPlainChunksHoldTheSame) {
   EXPECT_EQ(from_packed.texts, from_plain.texts);
 }
 
-// Of several chunks, each of many pieces: text, then bytes that cannot be packed, which stay as they are.
+// Several chunks, each with many pieces: text, then bytes that cannot be packed, which stay as they are.
 std::string long_file() {
   std::string file;
   McapWriter writer([&](Bytes bytes) { file += text_of(bytes); }, "test");
