@@ -12,6 +12,9 @@ namespace {
 // Level -1 saves 4 % more bytes in 1.3 times the time, level 1 another 3 % in twice the time.
 constexpr int kLevel = -3;
 
+// A block of zstd (RFC 8878): its packed bytes at least, its head and one byte; and what it holds at most.
+constexpr std::size_t kLeastBlock = 4, kMostOfBlock = 128u << 10;
+
 }  // namespace
 
 struct Compressor::Impl {
@@ -55,6 +58,7 @@ Bytes Compressor::finish(Bytes piece) {
 }
 
 bool decompress(Bytes packed, std::size_t size, std::vector<std::byte>& to) {
+  if (size / kMostOfBlock > packed.size() / kLeastBlock) return false;
   const auto told = ZSTD_getFrameContentSize(packed.data(), packed.size());
   if (told != ZSTD_CONTENTSIZE_UNKNOWN && told != size) return false;  // also where it is no frame of zstd
   to.resize(size);

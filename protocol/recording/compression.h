@@ -12,8 +12,8 @@ namespace visum::recording {
 
 inline constexpr std::string_view kZstd = "zstd";  // its name in MCAP files
 
-// Compresses a chunk piece by piece, as it grows, so that no piece holds a thread for long. The same pieces
-// become the same bytes. Used on one thread at a time. Throws std::bad_alloc.
+// Compresses a chunk piece by piece, as it grows, so that the end of a chunk is no more work than any other
+// piece. The same pieces become the same bytes. Used on one thread at a time. Throws std::bad_alloc.
 class Compressor {
  public:
   Compressor();
@@ -29,7 +29,7 @@ class Compressor {
 };
 
 // Any thread. Returns false if `packed` is not what a Compressor makes of `size` bytes. Allocates no memory
-// where the packed bytes themselves say that they hold another number.
+// where the packed bytes cannot hold so many, or say that they hold another number.
 bool decompress(Bytes packed, std::size_t size, std::vector<std::byte>& to);
 
 }  // namespace visum::recording

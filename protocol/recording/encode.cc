@@ -283,10 +283,11 @@ void encode(const Tick& from, std::vector<std::byte>& to) {
   append(to, w);
 }
 
-// Samples are most of a recording.
+// Samples are most of a recording. None was skipped, so `conflated` is zero.
 void encode(const Sample& from, std::vector<std::byte>& to) {
   using Message = visum::v1::PartSample;
   static_assert(std::endian::native == std::endian::little, "numbers are copied as they stand in memory");
+  static_assert(Message::kSensorOutputsFieldNumber < 16);
   const auto start = to.size();
   to.resize(start + from.part.size() + from.controller_inputs.size_bytes() +
             from.sensor_outputs.size_bytes() + 3 * FieldWriter::kMostOfHead + 3 * FieldWriter::kMostOfNumber);

@@ -1,7 +1,6 @@
 #include "protocol/recording/mcap_writer.h"
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 namespace visum::recording {
@@ -139,7 +138,10 @@ void McapWriter::put_chunk() {
   std::string_view compression;
   if (how_ == Chunks::kCompressed) {
     const auto packed = compressor_.finish(piece);
-    if (packed.size() < stored.size()) stored = packed, compression = kZstd;
+    if (packed.size() < stored.size()) {
+      stored = packed;
+      compression = kZstd;
+    }
   }
   ChunkIndex index{chunk_from_ns_, until_ns, place_, 0, 0, chunk_.size(), stored.size(), compression, {}};
   content_.clear();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "protocol/config/config.h"
@@ -29,10 +28,9 @@ bool RecordingPair::Side::next() {
   for (auto item = file.next(); !std::holds_alternative<RecordingFile::End>(item); item = file.next()) {
     if (const auto* part = std::get_if<const protocol::PartDescription*>(&item)) describe(**part);
     if (const auto* sample = std::get_if<const protocol::PartSample*>(&item)) keep(**sample);
-    if (const auto* whole = std::get_if<const State*>(&item)) {
-      state = (*whole)->state;
-      state_at = {ticks, (*whole)->tick};
-    }
+    if (std::holds_alternative<const TimedInput*>(item)) ++inputs;
+    if (const auto* state = std::get_if<const State*>(&item))
+      whole = {{ticks, (*state)->tick}, inputs, (*state)->state};
     if (const auto* tick = std::get_if<const Tick*>(&item)) {
       now = **tick;
       ++ticks;
@@ -82,13 +80,16 @@ void RecordingPair::compare_settings() {
   note("parameters", a.parameters, b.parameters);
   note("version", a.build.version + " " + a.build.commit, b.build.version + " " + b.build.commit);
   note("compiler", a.build.compiler, b.build.compiler);
-  // Files of two folders may have one name.
-  std::map<std::string, std::set<std::uint32_t>> crcs;
-  for (const auto& file : a.files) crcs[std::filesystem::path(file.name).filename()].insert(file.crc);
+  // Files of two folders may have one name. They stand in the order of their folders.
+  std::map<std::string, std::vector<std::uint32_t>> crcs;
+  for (const auto& file : a.files) crcs[std::filesystem::path(file.name).filename()].push_back(file.crc);
+  std::map<std::string, std::size_t> seen;
   for (const auto& file : b.files) {
-    const auto found = crcs.find(std::filesystem::path(file.name).filename());
-    if (found != crcs.end() && !found->second.contains(file.crc))
-      settings_.push_back("file " + found->first + ": not the same content");
+    const std::string name = std::filesystem::path(file.name).filename();
+    const auto& of_a = crcs[name];
+    const auto number = seen[name]++;
+    if (number < of_a.size() && of_a[number] != file.crc)
+      settings_.push_back("file " + name + ": not the same content");
   }
   if (a.tick_ns != b.tick_ns)
     throw config::ConfigError({}, "their ticks have different lengths (" + std::to_string(a.tick_ns) +
@@ -138,8 +139,13 @@ void RecordingPair::differ() {
   if (!first_) first_ = {std::max(ticks_a(), ticks_b()), (a_.is_there ? a_ : b_).now.tick};
 }
 
+// One may begin with a state, or have taken an input behind its last tick, where the other has not.
 void RecordingPair::compare_states() {
-  if (!first_ && a_.state_at.position == b_.state_at.position && a_.state != b_.state) first_ = a_.state_at;
+  const auto &a = a_.whole, &b = b_.whole;
+  if (!a || !b || a->at.position != b->at.position || a->inputs != b->inputs) return;
+  if (!first_ && a->state != b->state) first_ = a->at;
+  a_.whole.reset();
+  b_.whole.reset();
 }
 
 void RecordingPair::compare_ports() {

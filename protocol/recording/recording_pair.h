@@ -64,6 +64,11 @@ class RecordingPair {
   struct Name {
     std::string part, port;
   };
+  struct Whole {
+    Moment at;  // the tick that it stands behind
+    std::uint64_t inputs = 0;
+    std::vector<std::byte> state;
+  };
   struct Side {
     explicit Side(const std::filesystem::path& of);
     bool next();
@@ -75,17 +80,16 @@ class RecordingPair {
     std::map<std::string, Place> places;  // by part
     std::vector<Name> names;
     std::vector<double> values;
-    Tick now;                      // but for its fault
-    std::vector<std::byte> state;  // the whole one that was read last,
-    Moment state_at;               // and the tick that it stands behind
-    std::uint64_t ticks = 0;
+    Tick now;                    // but for its fault
+    std::optional<Whole> whole;  // the one that was read last and not compared yet
+    std::uint64_t ticks = 0, inputs = 0;
     bool is_there = true;
   };
 
   void compare_settings();
   void pair_ports();
   void differ();          // in this tick
-  void compare_states();  // which came behind the ticks before
+  void compare_states();  // those that stand behind the same ticks and as many inputs
   void compare_ports();
 
   Side a_, b_;

@@ -53,11 +53,11 @@ struct Header {
   std::vector<std::pair<std::string, std::string>> packages;  // name and folder, as --package gave them
   std::vector<std::string> package_folders;                   // of the environment
 };
-// The hash costs a tenth of a tick. So it is taken in the ticks with these numbers, which two recordings have
-// in common, and wherever a state is written or the world froze.
-inline constexpr std::int64_t kHashEvery = 50;
-inline bool is_hashed(std::int64_t tick) {
-  return tick % kHashEvery == 0;
+// The hash takes a fifteenth of the arm's tick. So it is taken in the first tick of a recording and in every
+// 50th after it, and where the world froze or the whole state is written. `count`: of the ticks before.
+inline constexpr std::uint64_t kHashEvery = 50;
+inline bool is_hashed(std::uint64_t count) {
+  return count % kHashEvery == 0;
 }
 inline constexpr std::uint64_t kNoHash = 0;  // it was not taken in this tick
 struct Tick {

@@ -40,14 +40,15 @@ std::string other_build(const recording::Replay& replay) {
 void print(const recording::Replay& replay) {
   std::cout << replay.header.scene << ": " << replay.ticks << " ticks with the same bits, " << replay.inputs
             << " inputs\n";
-  if (const auto later = replay.ticks - replay.hashed_ticks; later > 0)
+  if (const auto later = replay.ticks - replay.ticks_to_hash; later > 0)
     std::cout << "  the last " << later << " by their ports alone, as no hash of the state was recorded\n";
   if (!replay.equal) {
     const auto& at = replay.difference;
     std::cout << "DIFFERENT at tick " << at.tick << " of era " << at.era << " (" << seconds(at.sim_time_ns)
-              << "): " << at.what << "\n  state hash recorded "
-              << (at.recorded_hash == recording::kNoHash ? "not taken in this tick" : hex(at.recorded_hash))
-              << ", replayed " << hex(at.replayed_hash) << "\n";
+              << "): " << at.what << "\n";
+    if (at.recorded_hash != recording::kNoHash)
+      std::cout << "  state hash recorded " << hex(at.recorded_hash) << ", replayed " << hex(at.replayed_hash)
+                << "\n";
     for (const auto& port : at.ports)
       std::cout << "  " << port.part << ": " << port.port << " recorded " << exact(port.recorded)
                 << ", replayed " << exact(port.replayed) << "\n";
@@ -62,7 +63,7 @@ void print(const recording::Replay& replay) {
 void print_as_json(const recording::Replay& replay) {
   const auto& at = replay.difference;
   std::cout << "{\"equal\":" << (replay.equal ? "true" : "false") << ",\"ticks\":" << replay.ticks
-            << ",\"hashed_ticks\":" << replay.hashed_ticks << ",\"inputs\":" << replay.inputs
+            << ",\"ticks_to_hash\":" << replay.ticks_to_hash << ",\"inputs\":" << replay.inputs
             << ",\"state_hash\":" << protocol::json_quoted(hex(replay.last_hash))
             << ",\"damage\":" << protocol::json_quoted(replay.damage);
   if (!replay.equal) {

@@ -53,7 +53,7 @@ namespace {
 using namespace visum;
 
 constexpr const char* kRecordHelp =
-    "record every input, every port and the state's hash of every tick, as an MCAP file";
+    "record every input, the ports of every tick and the state's hash of every 50th, as an MCAP file";
 constexpr const char* kParametersHelp =
     "values for the scene's parameters instead of their defaults, as \"{mass: 2, friction: 0.4}\"";
 
@@ -363,7 +363,7 @@ int replay(const programs::Command& command) {
   of_daemon.port = 0;
   programs::HttpArguments http;
   bool view = false;
-  CLI::App app{"Repeats a recorded run and compares the state's hash after every tick", command.name};
+  CLI::App app{"Repeats a recorded run and compares ports and the state's hash", command.name};
   app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
   programs::declare_plugins(app, plugins);
   programs::declare_node_timeout(app, plugins);

@@ -71,6 +71,7 @@ Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation
   }
   channels.spawned = writer.add_channel(kSpawnedTopic, samples, kEncoding);
   channels.spawned_described = writer.add_channel(kSpawnedDescriptionTopic, descriptions, kEncoding);
+  writer.flush();
   return channels;
 }
 

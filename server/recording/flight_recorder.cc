@@ -89,7 +89,7 @@ void FlightRecorder::took(const TimedInput& input) try {
 
 void FlightRecorder::ticked() try {
   if (!now_.in_use) return;
-  const bool hashed = simulation_.frozen() || is_hashed(simulation_.tick_count());
+  const bool hashed = simulation_.frozen() || is_hashed(now_.ticks.size());
   now_.ticks.push_back({simulation_.tick_count(),
                         simulation_.era(),
                         simulation_.sim_time_ns(),

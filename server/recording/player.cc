@@ -28,7 +28,7 @@ void Player::read_through() {
     events_.take(item, ticks_);
   }
   // A state at the very end serves no seeking, and restoring it would drop the last tick's contacts.
-  if (!points_.empty() && points_.back().position == ticks_ && ticks_ > 0) points_.pop_back();
+  while (ticks_ > 0 && !points_.empty() && points_.back().position == ticks_) points_.pop_back();
   damage_ = file_.damage();
   position_ = ticks_ + 1;  // no position of the file: the first seek() must go to a state
 }

@@ -63,9 +63,8 @@ void Recorder::write_first() {
   writer_->start();
 }
 
-// The second observer of a world that may be gone: end() was called, or begin() was not.
 Recorder::~Recorder() {
-  if (!is_second_) stop_observing();
+  close();
 }
 
 void Recorder::stop_observing() {
@@ -74,12 +73,13 @@ void Recorder::stop_observing() {
 
 void Recorder::end() try {
   stop_observing();
-  if (!is_sealed_ && !writer_->ended() && !simulation_.frozen()) put_state();
+  if (!hash_is_written_ && writer_->started() && !writer_->ended() && !simulation_.frozen()) put_state();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
 }
 
 bool Recorder::close() {
+  if (!is_second_) stop_observing();
   return writer_->close();
 }
 
@@ -92,7 +92,7 @@ void Recorder::took(const TimedInput& input) try {
   bytes_.clear();
   encode(input, bytes_);
   put(channels_.inputs, input.tick * simulation_.model().tick_ns);
-  is_sealed_ = false;
+  hash_is_written_ = false;
   look_at_parts();
 } catch (const std::bad_alloc&) {
   writer_->end(kNoMemory);
@@ -113,8 +113,8 @@ void Recorder::ticked() try {
     put(channel_of_[i], time_ns);
   }
   const bool state_due = time_ns_ >= next_state_ns_ && !simulation_.frozen();
-  is_sealed_ = state_due || simulation_.frozen() || is_hashed(tick);
-  const auto hash = is_sealed_ ? simulation_.state_hash() : kNoHash;
+  hash_is_written_ = is_hashed(ticks_++) || state_due || simulation_.frozen();
+  const auto hash = hash_is_written_ ? simulation_.state_hash() : kNoHash;
   bytes_.clear();
   encode(Tick{tick, simulation_.era(), time_ns, hash, simulation_.fault()}, bytes_);
   put(channels_.ticks, time_ns);

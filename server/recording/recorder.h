@@ -35,10 +35,11 @@ class Recorder : public cycle::Observer {
   void begin();
   void write_first();
 
-  // Tick's thread, between ticks. Observes no more, and adds the whole state, so that a replay knows that all
-  // came out the same. Without it the last ticks are compared by their ports only.
+  // Tick's thread, between ticks. Observes no more. Adds the whole state, where the last tick has no hash, so
+  // that a replay knows that all came out the same and not only the ports.
   void end();
-  // Completes the file. Returns whether it holds all that happened; the log has said why not.
+  // Completes the file, where end() was called, and observes no more where it is the first observer. Returns
+  // whether the file holds all that happened; the log has said why not.
   bool close();
 
   void took(const TimedInput& input) override;
@@ -62,7 +63,8 @@ class Recorder : public cycle::Observer {
   Channels channels_;
   std::uint64_t time_ns_ = 0;                    // the length of all ticks so far, over all eras
   std::uint64_t next_state_ns_ = 1'000'000'000;  // of time_ns_: when the next whole state is due
-  bool is_sealed_ = false;                       // the hash of the state as it is now stands in the file
+  std::uint64_t ticks_ = 0;
+  bool hash_is_written_ = true;  // of the state as it is now; also before the first tick and input
   State state_;
   State first_;  // from begin() to write_first()
   // The parts of the beginning, by their channels, kept so that none is taken for another; and the channel of

@@ -25,7 +25,7 @@ constexpr milliseconds kRoom{1};     // how often the tick's thread looks for ro
 constexpr std::chrono::seconds kPatience{10};
 // After so many bytes the thread lets others have its processor. Where a controller looks for its answer
 // there (protocol/busy_wait.h), it finds it within some 10 µs, not when all that waits is written.
-constexpr std::size_t kTurn = 8u << 10;        // of messages; a piece that is compressed is two turns
+constexpr std::size_t kTurn = 8u << 10;        // of messages; a longer one is a turn of its own
 constexpr std::size_t kWriteTurn = 32u << 10;  // handed to the operating system
 
 int make_file(const std::filesystem::path& file) {
@@ -75,6 +75,7 @@ RecordingWriter::Descriptor::~Descriptor() {
 
 void RecordingWriter::start() {
   thread_ = std::thread([this] { run(); });
+  started_ = true;
 }
 
 void RecordingWriter::put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data) {
@@ -116,7 +117,6 @@ void RecordingWriter::end(std::string_view why) {
 }
 
 void RecordingWriter::run() try {
-  writer_.flush();  // the beginning
   auto flushed = Clock::now();
   for (bool stopping = false; !stopping;) {
     {

@@ -41,6 +41,7 @@ class RecordingWriter {
   // The state that the recording begins with. It may be longer than the queue.
   void put_first(std::uint16_t channel, std::uint64_t publish_time_ns, Bytes data);
   void start();
+  bool started() const { return started_; }  // any thread
 
   // Tick's thread. Does nothing once the recording has ended.
   void put(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
@@ -89,7 +90,7 @@ class RecordingWriter {
   ByteQueue queue_{kQueueBytes};
   std::vector<std::byte> taken_;                         // this thread: what is being written
   std::uint64_t last_log_ns_ = 0, last_publish_ns_ = 0;  // this thread: times of the last message
-  std::atomic<bool> ended_{false};
+  std::atomic<bool> started_{false}, ended_{false};
   std::mutex mutex_;  // guards lines_ and stopping_
   std::condition_variable stopped_;
   std::vector<LogEntry> lines_;

@@ -34,10 +34,10 @@ struct Difference {
 
 struct Replay {
   Header header;
-  std::uint64_t ticks = 0;         // how many were equal
-  std::uint64_t hashed_ticks = 0;  // up to where the whole state was: later ones were compared by their ports
-  std::uint64_t inputs = 0;        // how many were taken
-  std::uint64_t last_hash = 0;     // of the replayed world's state at the end
+  std::uint64_t ticks = 0;          // how many were equal
+  std::uint64_t ticks_to_hash = 0;  // how many up to the last hash; those after it are equal in their ports
+  std::uint64_t inputs = 0;         // how many were taken
+  std::uint64_t last_hash = 0;      // of the replayed world's state after its last tick
   bool equal = true;
   Difference difference;  // where !equal
   std::string damage;     // why the file was not read to its end; empty: it was

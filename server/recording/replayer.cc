@@ -97,7 +97,7 @@ bool Replayer::run(std::uint64_t ticks) {
       take(item);
     }
   }
-  result_.last_hash = world_.state_hash();
+  note_last_hash();
   return !over_;
 }
 
@@ -109,8 +109,15 @@ void Replayer::take(const RecordingFile::Item& item) {
   if (const auto* state = std::get_if<const State*>(&item)) take(**state);
 }
 
+// Inputs that come after the last tick do not count.
+void Replayer::note_last_hash() {
+  if (std::exchange(hash_is_noted_, true)) return;
+  result_.last_hash = world_.state_hash();
+}
+
 void Replayer::take(const TimedInput& input) {
   begun_ = true;
+  note_last_hash();
   if (input.tick != world_.tick_count() || input.era != world_.era())
     return differ("an input that was taken at tick " + std::to_string(input.tick) + " of era " +
                   std::to_string(input.era));
@@ -128,7 +135,7 @@ void Replayer::take(const State& state) {
   if (begun_) {
     const auto hash = world::hash_bytes(state.state);
     if (hash != world_.state_hash()) return differ("the whole state is another one", hash);
-    result_.hashed_ticks = result_.ticks;
+    result_.ticks_to_hash = result_.ticks;
     return;
   }
   begun_ = true;
@@ -140,19 +147,24 @@ void Replayer::compare(const Tick& tick) {
   begun_ = true;
   if (world_.frozen()) return differ("the recorded world went on after it froze");
   world_.tick();
+  hash_is_noted_ = false;
   if (tick.tick != world_.tick_count() || tick.era != world_.era())
-    return differ("the recorded tick is number " + std::to_string(tick.tick) + " of era " +
-                  std::to_string(tick.era));
+    return differ(
+        "the recorded tick is number " + std::to_string(tick.tick) + " of era " + std::to_string(tick.era),
+        tick.state_hash);
   if (tick.fault != world_.fault())
-    return differ("the recorded world says '" + std::string(tick.fault) + "', this one '" + world_.fault() +
-                  "'");
+    return differ(
+        "the recorded world says '" + std::string(tick.fault) + "', this one '" + world_.fault() + "'",
+        tick.state_hash);
   const bool hashed = tick.state_hash != kNoHash;
   const bool same_state = !hashed || tick.state_hash == world_.state_hash();
-  if (!hashed || !same_state) compare_ports();
+  std::string without_ports;
+  if (!hashed || !same_state) without_ports = compare_ports();
   if (!same_state) return differ("the state is another one", tick.state_hash);
   if (!result_.difference.ports.empty()) return differ("ports are others");
+  if (!without_ports.empty()) return differ("the recording has not all ports of '" + without_ports + "'");
   ++result_.ticks;
-  if (hashed) result_.hashed_ticks = result_.ticks;
+  if (hashed) result_.ticks_to_hash = result_.ticks;
 }
 
 void Replayer::differ(const std::string& what, std::uint64_t recorded_hash) {
@@ -167,22 +179,29 @@ void Replayer::differ(const std::string& what, std::uint64_t recorded_hash) {
   difference.what = what;
 }
 
-void Replayer::compare_ports() {
+std::string Replayer::compare_ports() {
+  std::string incomplete;
   for (const auto& bound : std::as_const(world_).parts()) {
     const auto& description = bound.part->description();
-    const auto sample = samples_.find(description.name);
-    if (sample == samples_.end() || sample->second.tick != world_.tick_count()) continue;
-    compare_ports(description.name, description.controller_inputs, sample->second.controller_inputs,
+    const auto found = samples_.find(description.name);
+    if (found == samples_.end() || found->second.tick != world_.tick_count() ||
+        found->second.controller_inputs.size() != bound.controller_inputs.size() ||
+        found->second.sensor_outputs.size() != bound.sensor_outputs.size()) {
+      incomplete = description.name;
+      continue;
+    }
+    compare_ports(description.name, description.controller_inputs, found->second.controller_inputs,
                   bound.controller_inputs);
-    compare_ports(description.name, description.sensor_outputs, sample->second.sensor_outputs,
+    compare_ports(description.name, description.sensor_outputs, found->second.sensor_outputs,
                   bound.sensor_outputs);
   }
+  return incomplete;
 }
 
 void Replayer::compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,
                              const std::vector<double>& recorded, const std::vector<double>& replayed) {
   auto& list = result_.difference.ports;
-  for (std::size_t i = 0; i < ports.size() && i < recorded.size() && i < replayed.size(); ++i)
+  for (std::size_t i = 0; i < ports.size(); ++i)
     if (!same_bits(recorded[i], replayed[i]) && list.size() < Difference::kMaxPorts)
       list.push_back({part, ports[i].name, recorded[i], replayed[i]});
 }

@@ -51,8 +51,10 @@ class Replayer {
   void compare(const Tick& tick);
   // Ends the replay; result() then says `what` and where the world stands.
   void differ(const std::string& what, std::uint64_t recorded_hash = kNoHash);
-  // Notes the ports that differ, for the user.
-  void compare_ports();
+  void note_last_hash();
+  // Notes the ports that differ, for the user. Returns the name of a part whose ports the recording has not,
+  // or not all; empty: there is none.
+  std::string compare_ports();
   void compare_ports(const std::string& part, const std::vector<protocol::Port>& ports,
                      const std::vector<double>& recorded, const std::vector<double>& replayed);
 
@@ -66,6 +68,7 @@ class Replayer {
   std::optional<RecordingFile::Item> ahead_;  // read but not yet taken
   bool begun_ = false;                        // the first record was taken
   bool over_ = false;
+  bool hash_is_noted_ = false;  // that of the last tick, or of the beginning
 };
 
 }  // namespace visum::recording

@@ -101,7 +101,7 @@ class Reuse(unittest.TestCase):
             self.assertEqual((alone["state_hash"], alone["ticks"]), (state_hash, ticks), f"run {run}")
             values = self.rows(f"SELECT name, value FROM checks WHERE run = {run} ORDER BY number")
             self.assertEqual([(check["check"], check["value"]) for check in alone["checks"]], values)
-            # Every port and the state's hash in every tick: also what the sensors felt.
+            # Every port in every tick, and the state: also what the sensors felt.
             visum("compare", self.report / f"run_{run:02}.mcap", recording)
 
     def test_the_order_and_the_number_of_jobs_change_nothing(self):

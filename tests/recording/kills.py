@@ -35,6 +35,7 @@ def kill_one(visum: Path, file: Path, after_bytes: int) -> int:
     assert done.returncode in (0, 1), f"killed after {after_bytes} bytes: replay ended with {done.returncode}: {done.stderr}"
     again = json.loads(done.stdout.splitlines()[-1])
     assert again["equal"], f"killed after {after_bytes} bytes: {again}"
+    assert again["ticks"] - again["ticks_to_hash"] < 50, f"killed after {after_bytes} bytes: {again}"
     return again["ticks"]
 
 

@@ -150,20 +150,21 @@ TEST(Player, GoesOnToTheEndAndNoFurther) {
   EXPECT_EQ(player.position(), 1100u);
 }
 
-// The state that stands there holds no contacts, and an input that came after the last tick is in it.
+// The states that stand there, that of a simulated second and that of the end, hold no contacts, and an input
+// that came after the last tick is in the other one.
 TEST(Player, TheEndIsThatOfTheLastTickWithItsContacts) {
   Life life;
   for (const char* body :
        {"{name: slab, pose: {xyz: [3, 0, 0]}, fixed: true, shapes: [{box: [1, 1, 1]}]}",
         "{name: box, pose: {xyz: [3, 0, 0.6]}, mass: 1, shapes: [{box: [0.2, 0.2, 0.2]}]}"})
     ASSERT_EQ(life.world()->add_body(body).text(), "");
-  life.run(110);
+  life.run(1000);
   const auto contacts = life.world()->contacts().size();
   ASSERT_GT(contacts, 0u);
   life.world()->lose_controller(0);
   Player player(life.finish(), {});
-  player.seek(110);
-  expect_moment(player, life.moments[110]);
+  player.seek(1000);
+  expect_moment(player, life.moments[1000]);
   EXPECT_EQ(player.world().contacts().size(), contacts);
 }
 

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recording/forge.h"
+#include "server/recording/replay.h"
+#include "tests/recording/messages.h"
 #include "tests/recording/recorded_world.h"
 
 namespace visum::recording {
@@ -33,8 +34,8 @@ TEST(RecordingPair, PartsAtTheNextHashWhereNoPortShowsIt) {
   record_push(0.2, 60, files.folder() / "b.mcap");
   const auto first = first_difference(files);
   ASSERT_TRUE(first);
-  EXPECT_EQ(first->position, 50u);
-  EXPECT_EQ(first->tick, 50);
+  EXPECT_EQ(first->position, 51u) << "the first tick has a hash, and every 50th after it";
+  EXPECT_EQ(first->tick, 51);
 }
 
 TEST(RecordingPair, PartsAtTheEndWhereOnlyTheStateThereShowsIt) {
@@ -54,19 +55,58 @@ TEST(RecordingPair, EqualRunsDoNotPart) {
   EXPECT_FALSE(first_difference(files));
 }
 
+TEST(RecordingPair, OneThatBeginsWithAStateIsEqualToOneThatDoesNot) {
+  const test::TempFiles files;
+  record_push(0.1, 60, files.folder() / "a.mcap");
+  {
+    auto [world, origin] = rewind(files.folder() / "a.mcap", 0.0, {});
+    Recorder recorder(*world, origin, files.folder() / "b.mcap");
+    EXPECT_TRUE(world->add_body(kBall).done());
+    for (int i = 0; i < 60; ++i) {
+      if (i == 10) {
+        const dynamics::Wrench push{world->model().find_body("ball"), {0.0, 0.1, 0.0}, {0.0, 0.0, 0.0}};
+        EXPECT_TRUE(world->push({push, 15}).done());
+      }
+      world->tick();
+    }
+    recorder.end();
+  }
+  EXPECT_EQ(messages_of(files.folder() / "b.mcap", "/states").size(), 2u);
+  EXPECT_FALSE(first_difference(files));
+}
+
+// When a controller leaves after the last tick is a question of the wall clock.
+TEST(RecordingPair, InputsThatOnlyOneHasBehindItsLastTickAreNoDifference) {
+  const test::TempFiles files;
+  for (const char* name : {"a.mcap", "b.mcap"}) {
+    RecordedWorld world;
+    world.run(30);
+    if (*name == 'a') world->write_inputs(0, 0, std::vector{0.7, -0.3});
+    std::filesystem::copy_file(world.finish(), files.folder() / name);
+  }
+  EXPECT_FALSE(first_difference(files));
+}
+
 // A scene and a scenario, say, in two folders.
 TEST(RecordingPair, TwoFilesWithOneNameAreNotTakenForOneAnother) {
   const test::TempFiles files;
-  files.write("world/scene.yaml", "visum: 1\nclock: lockstep\n");
-  const auto scene = files.write("scene.yaml", "visum: 1\ninclude: [world/scene.yaml]\n");
-  for (const char* name : {"a.mcap", "b.mcap"}) {
+  const std::string slow = "visum: 1\nclock: lockstep\n", fast = "visum: 1\nclock: free\n";
+  const auto scene = files.write("scene.yaml", "visum: 1\ninclude: [a/scene.yaml, b/scene.yaml]\n");
+  const auto record = [&](const std::string& a, const std::string& b, const char* name) {
+    files.write("a/scene.yaml", a);
+    files.write("b/scene.yaml", b);
     config::FilesNoted noted;
     cycle::Simulation world(scene::load_scene(scene));
-    Recorder recorder(world, {noted.files, ""}, files.folder() / name);
-    world.tick();
-  }
-  const RecordingPair pair(files.folder() / "a.mcap", files.folder() / "b.mcap");
-  EXPECT_EQ(pair.settings(), std::vector<std::string>{});
+    const Recorder recorder(world, {noted.files, ""}, files.folder() / name);
+  };
+  const auto settings = [&] {
+    return RecordingPair(files.folder() / "a.mcap", files.folder() / "b.mcap").settings();
+  };
+  record(slow, fast, "a.mcap");
+  record(slow, fast, "b.mcap");
+  EXPECT_EQ(settings(), std::vector<std::string>{});
+  record(fast, slow, "b.mcap");
+  EXPECT_EQ(settings(), std::vector<std::string>(2, "file scene.yaml: not the same content"));
 }
 
 }  // namespace

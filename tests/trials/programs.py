@@ -113,6 +113,7 @@ def replay(programs: Path, file: Path, patience_s: float = PATIENCE_S) -> dict[s
     expect(done.returncode in (0, 1), f"the recording cannot be read: {done.stdout}{done.stderr}")
     again = json.loads(done.stdout.splitlines()[-1])
     expect(again["equal"], f"the recording has other bits: {again}")
+    expect(again["ticks"] - again["ticks_to_hash"] < 50, f"the recording has too few hashes: {again}")
     return again
 
 

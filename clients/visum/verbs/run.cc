@@ -63,9 +63,9 @@ class RunVerb : public Verb {
                    "number gives the same bits")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
-    auto* record =
-        app.add_option("--record", record_,
-                       "record every input, every port and the state's hash of every tick, as an MCAP file");
+    auto* record = app.add_option(
+        "--record", record_,
+        "record every input, the ports of every tick and the state's hash of every 50th, as an MCAP file");
     app.add_option("--try-record", try_record_,
                    "as --record, but a recording that cannot be written is only a warning")
         ->type_name("FILE")
