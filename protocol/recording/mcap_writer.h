@@ -19,8 +19,8 @@ class McapWriter {
  public:
   // Appends bytes to the file. It throws if it cannot; the writer must not be used after that.
   using Sink = std::function<void(Bytes)>;
-  static constexpr std::size_t kChunkBytes = 1u << 20;   // a chunk ends when it has so many bytes
-  static constexpr std::size_t kPieceBytes = 16u << 10;  // and it is compressed so many at a time
+  static constexpr std::size_t kChunkBytes = 256u << 10;  // a chunk ends when it has so many bytes
+  static constexpr std::size_t kPieceBytes = 16u << 10;   // and it is compressed so many at a time
   // So that a chunk with one such message can still be read.
   static constexpr std::size_t kMaxMessageBytes = kMaxRecordBytes - 2 * kChunkBytes;
 
