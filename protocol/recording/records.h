@@ -119,8 +119,9 @@ class InputMessage {
   std::unique_ptr<Impl> impl_;
 };
 
-// The schema of each channel: the descriptions of all messages above, as Protobuf's FileDescriptorSet.
-Bytes schema();
+// The schema with this name: the description of the message and of those that it refers to, as Protobuf's
+// FileDescriptorSet. Throws std::invalid_argument where there is none.
+Bytes schema(std::string_view name);
 // The names of the schemas.
 inline constexpr std::string_view kHeaderSchema = "visum.recording.v1.Header";
 inline constexpr std::string_view kInputSchema = "visum.recording.v1.Input";

@@ -46,7 +46,7 @@ Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation
   for (const auto& [name, content] : origin.files)
     writer.attach({name, "application/octet-stream", bytes_of(content)});
   const auto channel = [&](std::string_view topic, std::string_view schema_name) {
-    const auto schema_id = writer.add_schema(schema_name, kEncoding, schema());
+    const auto schema_id = writer.add_schema(schema_name, kEncoding, schema(schema_name));
     return writer.add_channel(topic, schema_id, kEncoding);
   };
   const auto header = channel(kHeaderTopic, kHeaderSchema);
@@ -57,8 +57,8 @@ Channels write_beginning(McapWriter& writer, const cycle::Simulation& simulation
   channels.ticks = channel(kTickTopic, kTickSchema);
   channels.states = channel(kStateTopic, kStateSchema);
   channels.log = channel(kLogTopic, kLogSchema);
-  const auto samples = writer.add_schema(kSampleSchema, kEncoding, schema());
-  const auto descriptions = writer.add_schema(kDescriptionSchema, kEncoding, schema());
+  const auto samples = writer.add_schema(kSampleSchema, kEncoding, schema(kSampleSchema));
+  const auto descriptions = writer.add_schema(kDescriptionSchema, kEncoding, schema(kDescriptionSchema));
   for (const auto& bound : simulation.parts()) {
     const auto& description = bound.part->description();
     const auto topic = std::string(kPartTopic) + description.name;

@@ -33,7 +33,11 @@ class ByteQueue {
   using Blocks = boost::lockfree::spsc_queue<std::uint32_t>;
 
   void append(Bytes piece);
-  std::byte* place(std::uint32_t block, std::size_t at) { return memory_.get() + block * kBlockBytes + at; }
+  // Asks the processor for the memory of what may be put next, so that it is there by then.
+  void fetch_ahead(std::size_t bytes) const;
+  std::byte* place(std::uint32_t block, std::size_t at) const {
+    return memory_.get() + block * kBlockBytes + at;
+  }
 
   const std::size_t capacity_;
   const std::size_t blocks_;

@@ -177,6 +177,19 @@ TEST(Records, SamplesComeBackAsTheyWere) {
   }
 }
 
+TEST(Records, EachMessageHasItsSchema) {
+  for (const auto name : {kHeaderSchema, kInputSchema, kTickSchema, kStateSchema, kLogSchema, kSampleSchema,
+                          kDescriptionSchema}) {
+    const auto data = schema(name);
+    const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+    const auto message = name.substr(name.rfind('.') + 1);
+    EXPECT_NE(text.find(message), std::string_view::npos) << name;
+    EXPECT_EQ(text.find("LoadScene") != std::string_view::npos, name == kInputSchema || name == kStateSchema)
+        << name << ": no more than what it refers to";
+  }
+  EXPECT_THROW(schema("visum.v1.Nothing"), std::invalid_argument);
+}
+
 TEST(Records, TheHeaderAndTheTickComeBack) {
   std::vector<std::byte> bytes;
   Header header{kFormat,       "/a/s.yaml", "s",       "ode",
