@@ -84,8 +84,9 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns, std::ui
   until_ns_ = std::max(until_ns_, log_time_ns);
   if (chunk_messages_++ == 0) chunk_from_ns_ = log_time_ns;
   auto& index = indexes_[channel - 1u];
-  index.resize(index.size() + 16);
-  put_number(put_number(index.data() + index.size() - 16, log_time_ns),
+  constexpr std::size_t kEntry = 8 + 8;
+  index.resize(index.size() + kEntry);
+  put_number(put_number(index.data() + index.size() - kEntry, log_time_ns),
              static_cast<std::uint64_t>(chunk_.size()));
   constexpr std::size_t kHead = 2 + 4 + 8 + 8;
   const auto start = chunk_.size();

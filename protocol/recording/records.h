@@ -54,7 +54,8 @@ struct Header {
   std::vector<std::string> package_folders;                   // of the environment
 };
 // The hash takes a fifteenth of the arm's tick. So it is taken in the first tick of a recording and in every
-// 50th after it, and where the world froze or the whole state is written. `count`: of the ticks before.
+// 50th after it, where a simulated second is complete, and where the world froze. `count`: of the ticks
+// before.
 inline constexpr std::uint64_t kHashEvery = 50;
 inline bool is_hashed(std::uint64_t count) {
   return count % kHashEvery == 0;

@@ -38,8 +38,8 @@ class Recorder : public cycle::Observer {
   // Tick's thread, between ticks. Observes no more. Adds the whole state, where the last tick has no hash, so
   // that a replay knows that all came out the same and not only the ports.
   void end();
-  // Completes the file, where end() was called, and observes no more where it is the first observer. Returns
-  // whether the file holds all that happened; the log has said why not.
+  // Completes the file. A second observer must have called end() before; the first one observes no more in
+  // any case. Returns whether the file holds all that happened; the log has said why not.
   bool close();
 
   void took(const TimedInput& input) override;

@@ -24,7 +24,7 @@ constexpr milliseconds kFlush{500};  // how long a message waits for its chunk t
 constexpr milliseconds kRoom{1};     // how often the tick's thread looks for room
 constexpr std::chrono::seconds kPatience{10};
 // After so many bytes the thread lets others have its processor. Where a controller looks for its answer
-// there (protocol/busy_wait.h), it finds it within some 10 µs, not when all that waits is written.
+// there (protocol/busy_wait.h), it finds it within some 20 µs, not when all that waits is written.
 constexpr std::size_t kTurn = 8u << 10;        // of messages; a longer one is a turn of its own
 constexpr std::size_t kWriteTurn = 32u << 10;  // handed to the operating system
 

@@ -21,9 +21,9 @@ std::uint64_t ticks_of(double seconds, std::int64_t tick_ns) {
   return ticks < 1e18 ? static_cast<std::uint64_t>(ticks) : kAll;
 }
 
-// How far the replay came, in simulated seconds.
-std::string place_of(const Replay& replay) {
-  const auto time_ns = static_cast<double>(replay.ticks) * static_cast<double>(replay.header.tick_ns);
+// So many ticks in simulated seconds.
+std::string place_of(const Replay& replay, std::uint64_t ticks) {
+  const auto time_ns = static_cast<double>(ticks) * static_cast<double>(replay.header.tick_ns);
   char text[64];
   return {text, std::to_chars(text, text + sizeof text, time_ns / 1e9, std::chars_format::fixed).ptr};
 }
@@ -32,10 +32,12 @@ void check_bits(const std::filesystem::path& file, const Replay& result) {
   if (result.equal) return;
   throw std::runtime_error(file.string() + ": not the same bits at tick " +
                            std::to_string(result.difference.tick) + ": " + result.difference.what +
-                           "; `visum replay` shows more");
+                           "; the whole state is known to be the same up to " +
+                           place_of(result, result.ticks_to_hash) + " s; `visum replay` shows more");
 }
 
-// The last ticks were compared by their ports alone. Another world goes on to where there is a hash.
+// The last ticks were compared by their ports alone. Another world goes on to where there is a hash, at most
+// to the recording's end. A difference on the way there may have begun before.
 void check_up_to_next_hash(const std::filesystem::path& file, const PluginFolders& plugins,
                            std::uint64_t ticks) {
   Replayer further(file, plugins);
@@ -51,7 +53,7 @@ void check_up_to_next_hash(const std::filesystem::path& file, const PluginFolder
 // Warns, or throws, where the recording ends before the tick that was asked for.
 void check_reach(const std::filesystem::path& file, const Replay& replay, std::uint64_t asked) {
   if (replay.ticks >= asked) return;
-  const auto place = place_of(replay);
+  const auto place = place_of(replay, replay.ticks);
   if (replay.damage.empty()) {
     if (asked != kAll)
       spdlog::warn("{}: it ends at {} s; the world goes on from there", file.string(), place);

@@ -132,7 +132,9 @@ pageTest("the first difference is marked, and told in words", async (page, claim
 
   await claim("with its tick, its part and both values", async () => {
     const words = await found(page);
-    assert.match(words, /^First difference at tick [\d,]+: (ports are others|the state is another one)\. arm, /);
+    const tick = Number(words.match(/^First difference at tick ([\d,]+): /)[1].replaceAll(",", ""));
+    const hasHash = tick % 50 === 1 || tick % 1000 === 0;
+    assert.match(words, new RegExp(`^[^:]*: ${hasHash ? "the state is another one" : "ports are others"}\\. arm, `));
     assert.match(words, /recorded -?[\d.e-]+, replayed -?[\d.e-]+/);
     assert.match(words, new RegExp(`Desired Angle 1: recorded ${kTarget}\\d*, replayed ${kOther}`));
   });

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "protocol/recording/compression.h"
 #include "protocol/recording/mcap_reader.h"
 #include "protocol/recording/mcap_writer.h"
 
@@ -145,6 +146,15 @@ TEST(Mcap, AChunkThatClaimsAnotherLengthThanItHasIsRefused) {
     EXPECT_TRUE(all.texts.empty());
     EXPECT_NE(all.damage, "");
   }
+}
+
+TEST(Mcap, AChunkThatClaimsMoreThanItCanHoldTakesNoMemory) {
+  Compressor compressor;
+  const auto packed = compressor.finish(bytes_of(std::string(1000, 'x')));
+  std::vector<std::byte> to;
+  EXPECT_FALSE(decompress(packed, 64u << 20, to));
+  EXPECT_EQ(to.capacity(), 0u);
+  EXPECT_TRUE(decompress(packed, 1000, to));
 }
 
 TEST(Mcap, WithoutItsEndAFileReadsUpToItsLastChunk) {

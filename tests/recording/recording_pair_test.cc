@@ -28,31 +28,29 @@ std::optional<RecordingPair::Moment> first_difference(const test::TempFiles& fil
   return pair.first();
 }
 
-TEST(RecordingPair, PartsAtTheNextHashWhereNoPortShowsIt) {
+std::optional<RecordingPair::Moment> where_pushes_part(double force_a_n, double force_b_n, int ticks) {
   const test::TempFiles files;
-  record_push(0.1, 60, files.folder() / "a.mcap");
-  record_push(0.2, 60, files.folder() / "b.mcap");
-  const auto first = first_difference(files);
+  record_push(force_a_n, ticks, files.folder() / "a.mcap");
+  record_push(force_b_n, ticks, files.folder() / "b.mcap");
+  return first_difference(files);
+}
+
+TEST(RecordingPair, PartsAtTheNextHashWhereNoPortShowsIt) {
+  const auto first = where_pushes_part(0.1, 0.2, 60);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->position, 51u) << "the first tick has a hash, and every 50th after it";
   EXPECT_EQ(first->tick, 51);
 }
 
 TEST(RecordingPair, PartsAtTheEndWhereOnlyTheStateThereShowsIt) {
-  const test::TempFiles files;
-  record_push(0.1, 30, files.folder() / "a.mcap");
-  record_push(0.2, 30, files.folder() / "b.mcap");
-  const auto first = first_difference(files);
+  const auto first = where_pushes_part(0.1, 0.2, 30);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->position, 30u);
   EXPECT_EQ(first->tick, 30);
 }
 
 TEST(RecordingPair, EqualRunsDoNotPart) {
-  const test::TempFiles files;
-  record_push(0.1, 30, files.folder() / "a.mcap");
-  record_push(0.1, 30, files.folder() / "b.mcap");
-  EXPECT_FALSE(first_difference(files));
+  EXPECT_FALSE(where_pushes_part(0.1, 0.1, 30));
 }
 
 TEST(RecordingPair, OneThatBeginsWithAStateIsEqualToOneThatDoesNot) {

@@ -193,20 +193,21 @@ TEST(Replay, NeedsNoneOfTheFilesThatTheSceneWasMadeOf) {
 TEST(Replay, ShowsTheFirstTickThatDiffersWithItsPorts) {
   RecordedWorld world;
   world->write_inputs(0, 0, std::vector{0.7, -0.3});
-  world.run(30);
+  world.run(50);
   world->write_inputs(0, 0, std::vector{0.1, 0.1});
   world.run(30);
   const auto forged = world.files().folder() / "forged.mcap";
   forge(world.finish(), forged, "/inputs", 1, [](std::vector<std::byte>& data) {
     data.clear();
     const std::vector values{0.1, 0.1000001};
-    encode(TimedInput{30, 1, WriteInputs{"robot", 0, values}}, data);
+    encode(TimedInput{50, 1, WriteInputs{"robot", 0, values}}, data);
   });
   const auto result = replay(forged);
   EXPECT_FALSE(result.equal);
-  EXPECT_EQ(result.ticks, 30u);
-  EXPECT_EQ(result.difference.tick, 31);
-  EXPECT_EQ(result.difference.what, "ports are others");
+  EXPECT_EQ(result.ticks, 50u);
+  EXPECT_EQ(result.difference.tick, 51);
+  EXPECT_EQ(result.difference.what, "the state is another one");
+  EXPECT_NE(result.difference.recorded_hash, result.difference.replayed_hash);
   ASSERT_FALSE(result.difference.ports.empty());
   EXPECT_EQ(result.difference.ports[0].part, "robot");
   EXPECT_EQ(result.difference.ports[0].port, "Desired Angle 2");
