@@ -26,7 +26,7 @@ constexpr double kSurelyApartM = 1e-4;
 }  // namespace
 
 struct CollisionStage::Impl {
-  explicit Impl(const world::WorldModel& world_model)
+  Impl(const world::WorldModel& world_model, PreparedMeshes& meshes)
       : model(world_model),
         shapes(prepare_shapes(model, meshes)),
         placed_in(shapes.size(), 0),
@@ -74,8 +74,7 @@ struct CollisionStage::Impl {
   const std::vector<Point>& test(const PreparedShape& a, const PreparedShape& b);
 
   const world::WorldModel& model;
-  PreparedMeshes meshes;
-  std::vector<PreparedShape> shapes;     // of them
+  std::vector<PreparedShape> shapes;
   std::vector<std::uint64_t> placed_in;  // by shape: number of the call that placed it
   std::uint64_t call = 0;
   BroadPhase broad;
@@ -113,7 +112,10 @@ Contact make_contact(const PreparedShape& a, const PreparedShape& b, const Point
 
 }  // namespace
 
-CollisionStage::CollisionStage(const world::WorldModel& model) : impl_(std::make_unique<Impl>(model)) {}
+CollisionStage::CollisionStage(const world::WorldModel& model, PreparedMeshes& meshes)
+    : impl_(std::make_unique<Impl>(model, meshes)) {}
+CollisionStage::CollisionStage(const world::WorldModel& model)
+    : CollisionStage(model, *std::make_unique<PreparedMeshes>()) {}
 CollisionStage::~CollisionStage() = default;
 
 void CollisionStage::hold_back(const world::WorldState& before, world::WorldState& after) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/collision/prepared_meshes.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
 
@@ -35,7 +36,8 @@ struct Contact {
 // volume. find() allocates only while its lists grow.
 class CollisionStage {
  public:
-  explicit CollisionStage(const world::WorldModel& model);
+  CollisionStage(const world::WorldModel& model, PreparedMeshes& meshes);
+  explicit CollisionStage(const world::WorldModel& model);  // with prepared meshes of its own
   ~CollisionStage();
   CollisionStage(const CollisionStage&) = delete;
   CollisionStage& operator=(const CollisionStage&) = delete;

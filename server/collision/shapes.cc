@@ -1,25 +1,10 @@
 #include "server/collision/shapes.h"
 
-#include "server/collision/hull.h"
-
 namespace visum::collision {
 namespace {
 
-// Makes a mesh, or a hull, when its first shape needs it.
-const Mesh& mesh_of(const world::WorldModel& model, world::MeshId id, PreparedMeshes& known) {
-  auto& mesh = known.meshes[id.index()];
-  if (!mesh) mesh = std::make_unique<const Mesh>(model.meshes[id.index()]);
-  return *mesh;
-}
-
-const Convex& hull_of(const world::WorldModel& model, world::MeshId id, PreparedMeshes& known) {
-  auto& hull = known.hulls[id.index()];
-  if (!hull) hull = std::make_unique<const Convex>(make_convex(make_hull(model.meshes[id.index()].vertices)));
-  return *hull;
-}
-
-// Planes and meshes are no convex shapes; they get an empty one.
-Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape, PreparedMeshes& known) {
+// A convex shape that is no hull of a mesh.
+Convex make_convex_of(const world::Shape& shape) {
   switch (shape.kind) {
     case world::ShapeKind::kBox:
       return make_convex(make_box({shape.size[0], shape.size[1], shape.size[2]}));
@@ -30,7 +15,6 @@ Convex make_convex_of(const world::WorldModel& model, const world::Shape& shape,
     case world::ShapeKind::kCapsule:
       return make_round(shape.size[0], shape.size[1]);
     case world::ShapeKind::kConvex:
-      return hull_of(model, shape.mesh, known);
     case world::ShapeKind::kPlane:
     case world::ShapeKind::kMesh:
       break;
@@ -56,7 +40,7 @@ Eigen::AlignedBox3d box_of(const Mesh& mesh) {
   return box;
 }
 
-PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, PreparedMeshes& known) {
+PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, PreparedMeshes& meshes) {
   const world::Shape& shape = model.shapes[id.index()];
   const world::Surface& surface = model.surfaces[shape.surface.index()];
   PreparedShape prepared;
@@ -72,11 +56,16 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
   prepared.rolling_friction = surface.rolling_friction;
   prepared.torsional_friction = surface.torsional_friction;
   if (shape.kind == world::ShapeKind::kMesh) {
-    prepared.mesh = &mesh_of(model, shape.mesh, known);
+    prepared.mesh = meshes.mesh(model.meshes[shape.mesh.index()]);
     prepared.box_S = box_of(*prepared.mesh);
+  } else if (shape.kind == world::ShapeKind::kConvex) {
+    const auto hull = meshes.hull(model.meshes[shape.mesh.index()]);
+    prepared.convex = hull->convex;
+    prepared.gjk = hull->gjk;
+    prepared.box_S = box_of(prepared.convex);
   } else if (shape.kind != world::ShapeKind::kPlane) {
-    prepared.convex = make_convex_of(model, shape, known);
-    prepared.gjk = std::make_unique<GjkShape>(prepared.convex);
+    prepared.convex = make_convex_of(shape);
+    prepared.gjk = std::make_shared<const GjkShape>(prepared.convex);
     prepared.box_S = box_of(prepared.convex);
   }
   return prepared;
@@ -93,8 +82,6 @@ Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matr
 }
 
 std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes) {
-  meshes.meshes.resize(model.meshes.size());
-  meshes.hulls.resize(model.meshes.size());
   std::vector<PreparedShape> shapes;
   for (std::size_t i = 0; i < model.shapes.size(); ++i) {
     if (model.shapes[i].collides) shapes.push_back(prepare(model, {static_cast<std::int32_t>(i)}, meshes));

@@ -9,16 +9,11 @@
 #include "server/collision/gjk.h"
 #include "server/collision/mesh.h"
 #include "server/collision/penetration.h"
+#include "server/collision/prepared_meshes.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
 
 namespace visum::collision {
-
-// The parts that shapes of one mesh share; each is made once.
-struct PreparedMeshes {
-  std::vector<std::unique_ptr<const Mesh>> meshes;   // by MeshId; null: no shape uses it
-  std::vector<std::unique_ptr<const Convex>> hulls;  // likewise
-};
 
 struct PreparedShape {
   world::ShapeId id;
@@ -29,8 +24,8 @@ struct PreparedShape {
   world::Pose X_BS;
   double friction = 0.0, restitution = 0.0, rolling_friction = 0.0, torsional_friction = 0.0;
   Convex convex;                  // for all kinds but plane and mesh
-  std::unique_ptr<GjkShape> gjk;  // likewise
-  const Mesh* mesh = nullptr;     // for a mesh
+  std::shared_ptr<const GjkShape> gjk;  // likewise
+  std::shared_ptr<const Mesh> mesh;     // for a mesh; null otherwise
   Eigen::AlignedBox3d box_S;      // around it, in its frame; empty for a plane
   // Set by place():
   Placed placed;              // for planes and meshes only the frame
@@ -40,7 +35,7 @@ struct PreparedShape {
   Eigen::AlignedBox3d near_W;
 };
 
-// Only the shapes that collide. Fills `meshes`, which must outlive them. Throws std::runtime_error for a
+// Only the shapes that collide. Takes their meshes and hulls from `meshes`. Throws std::runtime_error for a
 // convex hull without volume.
 std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes);
 

@@ -33,7 +33,7 @@ void make_parts(BodyChange& change, const scene::Scene& scene) {
 void bring(BodyChange& change, scene::Scene& scene, const scene::SpawnOrder& order) {
   scene::spawn(scene, order);
   const auto losses = scene.losses.size(), repairs = scene.repairs.size();
-  scene = leave_out_overlaps(std::move(scene));
+  scene = leave_out_overlaps(std::move(scene), *change.meshes);
   scene.repairs.resize(repairs);
   auto& told = scene.spawned.back().losses;
   told.insert(told.end(), scene.losses.begin() + static_cast<std::ptrdiff_t>(losses), scene.losses.end());
@@ -167,7 +167,7 @@ void complete(BodyChange& change) {
   change.kept_joints = kept_of<world::JointId>(now.joints, before.joints, other_joints);
   change.initial = world::initial_state(now);
   change.measured = sensors_of(change);
-  change.machinery = make_machinery(*change.changed, change.measured);
+  change.machinery = make_machinery(*change.changed, change.measured, *change.meshes);
   change.machinery.ring->take_over(*change.ring, change.tick, change.kept_joints, change.kept);
   if (may_make_engines(*change.changed)) change.machinery.engines = make_engines(*change.changed);
 }

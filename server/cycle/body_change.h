@@ -46,6 +46,7 @@ struct BodyChange {
   std::vector<std::string> came;                // names of what came since the scene was loaded
   std::vector<recording::State::Edit> present;  // restores: the edits of that world
   std::shared_ptr<const FlightRing> ring;
+  std::shared_ptr<collision::PreparedMeshes> meshes;
   PartMaker make;
   std::int64_t tick = 0;
   std::uint64_t era = 0;

@@ -57,10 +57,12 @@ std::vector<std::unique_ptr<dynamics::Engine>> make_engines(const scene::Scene& 
   return engines;
 }
 
-Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors) {
+Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors,
+                         collision::PreparedMeshes& meshes) {
   const auto& model = scene.world;
   Machinery made;
-  made.collision = std::make_unique<collision::CollisionStage>(model);
+  made.collision = std::make_unique<collision::CollisionStage>(model, meshes);
+  meshes.forget_unused();
   made.coupling = std::make_unique<dynamics::Coupling>(model);
   made.senses = std::make_unique<sensing::Senses>(scene, sensors);
   made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());

@@ -33,7 +33,8 @@ struct Machinery {
 
 // Makes everything but the engines. Any thread, also while the sensors are in use: they are not changed.
 // Throws where the scene is wrong (config::ConfigError, std::runtime_error).
-Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors);
+Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* const> sensors,
+                         collision::PreparedMeshes& meshes);
 
 // True if any thread may make the engines: those of plug-ins, and ODE, are made on the tick's thread.
 bool may_make_engines(const scene::Scene& scene);

@@ -46,14 +46,16 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make)
     : Simulation(std::move(scene), make, EnginesMade::kAll) {}
 
 Simulation::Simulation(scene::Scene scene, const PartMaker& make, EnginesMade which)
-    : make_(make), scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene)))) {
+    : make_(make),
+      meshes_(std::make_shared<collision::PreparedMeshes>()),
+      scene_(std::make_shared<const scene::Scene>(leave_out_overlaps(std::move(scene), *meshes_))) {
   make_parts(make_);
   make_sensors();
   make_agents();
   own_parts_ = parts_.size();
   std::vector<std::unique_ptr<dynamics::Engine>> engines;
   if (which == EnginesMade::kAll || may_make_engines(*scene_)) engines = make_engines(*scene_);
-  auto machinery = make_machinery(*scene_, sensors_);
+  auto machinery = make_machinery(*scene_, sensors_, *meshes_);
   machinery.engines = std::move(engines);
   use(machinery);
   pushes_.reserve(kMaxPushes);

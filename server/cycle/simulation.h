@@ -181,6 +181,7 @@ class Simulation {
 
   const scene::Scene& scene() const { return *scene_; }
   const world::WorldModel& model() const { return scene_->world; }
+  collision::PreparedMeshes& prepared_meshes() const { return *meshes_; }
   const world::WorldState& state() const { return state_; }
   // The scene's parts, then its sensors, then its agents, then the parts and sensors of each spawned model.
   std::span<BoundPart> parts() { return parts_; }
@@ -324,7 +325,8 @@ class Simulation {
   void restore_all(const recording::State& whole);
 
   const PartMaker make_;
-  // Shared with a change of the bodies that is being made ready on another thread.
+  // Both are shared with a change of the bodies that is being made ready on another thread.
+  std::shared_ptr<collision::PreparedMeshes> meshes_;
   std::shared_ptr<const scene::Scene> scene_;
   std::shared_ptr<const scene::Scene> original_;  // as it was loaded; set once bodies have come or gone
   std::vector<NotedEdit> edits_;                  // from original_ to scene_

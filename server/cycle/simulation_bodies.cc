@@ -19,6 +19,7 @@ BodyChange Simulation::begin(std::shared_ptr<const scene::Scene> base) const {
   for (const auto& noted : edits_)
     if (!noted.came.empty()) change.came.push_back(noted.came);
   change.ring = ring_;
+  change.meshes = meshes_;
   change.make = make_;
   change.tick = state_.tick;
   change.era = era_;

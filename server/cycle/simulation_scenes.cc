@@ -54,6 +54,7 @@ void Simulation::exchange_world(Simulation& other) {
   std::swap(first_agent_, other.first_agent_);
   std::swap(sensors_, other.sensors_);
   std::swap(agents_, other.agents_);
+  std::swap(meshes_, other.meshes_);
   std::swap(engines_, other.engines_);
   std::swap(collision_, other.collision_);
   std::swap(coupling_, other.coupling_);

@@ -41,9 +41,10 @@ scene::FileRemark repair_of(const scene::Scene& scene, const ModelPlan& model,
 }
 
 // Returns the overlaps within each model that asks for it, by the model's number.
-std::map<std::size_t, std::vector<Overlap>> overlaps_of_models(const scene::Scene& scene) {
+std::map<std::size_t, std::vector<Overlap>> overlaps_of_models(const scene::Scene& scene,
+                                                               collision::PreparedMeshes& meshes) {
   std::map<std::size_t, std::vector<Overlap>> found;
-  for (const Overlap& overlap : overlaps_at_start(scene.world)) {
+  for (const Overlap& overlap : overlaps_at_start(scene.world, meshes)) {
     const std::string& name = scene.world.bodies[overlap.a.index()].model;
     if (name != scene.world.bodies[overlap.b.index()].model) continue;
     const auto model = std::ranges::find(scene.models, name, &ModelPlan::name);
@@ -55,9 +56,9 @@ std::map<std::size_t, std::vector<Overlap>> overlaps_of_models(const scene::Scen
 
 }  // namespace
 
-std::vector<Overlap> overlaps_at_start(const world::WorldModel& model) {
+std::vector<Overlap> overlaps_at_start(const world::WorldModel& model, collision::PreparedMeshes& meshes) {
   std::vector<collision::Contact> contacts;
-  collision::CollisionStage(model).find(world::initial_state(model), contacts);
+  collision::CollisionStage(model, meshes).find(world::initial_state(model), contacts);
   std::map<std::pair<world::BodyId, world::BodyId>, double> deepest;
   for (const collision::Contact& contact : contacts) {
     if (contact.depth <= kLeastOverlap) continue;
@@ -70,11 +71,11 @@ std::vector<Overlap> overlaps_at_start(const world::WorldModel& model) {
   return overlaps;
 }
 
-scene::Scene leave_out_overlaps(scene::Scene scene) {
+scene::Scene leave_out_overlaps(scene::Scene scene, collision::PreparedMeshes& meshes) {
   if (std::ranges::none_of(scene.models, asks_for_it)) return scene;
   auto& pairs = scene.world.no_collision;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const auto found = overlaps_of_models(scene);
+    const auto found = overlaps_of_models(scene, meshes);
     if (found.empty()) break;
     for (const auto& [model, overlaps] : found) {
       for (const Overlap& overlap : overlaps) pairs.emplace_back(overlap.a, overlap.b);

@@ -25,8 +25,9 @@ std::string counted(std::size_t number, const char* one, const char* many) {
 }
 
 // A short list, the deepest first.
-void print_overlaps(const world::WorldModel& model) {
-  const auto overlaps = cycle::overlaps_at_start(model);
+void print_overlaps(const cycle::Simulation& simulation) {
+  const auto& model = simulation.model();
+  const auto overlaps = cycle::overlaps_at_start(model, simulation.prepared_meshes());
   for (std::size_t i = 0; i < std::min(overlaps.size(), kMaxListed); ++i)
     std::cout << "'" << model.bodies[overlaps[i].a.index()].name << "' and '"
               << model.bodies[overlaps[i].b.index()].name << "' overlap at the start by "
@@ -37,9 +38,10 @@ void print_overlaps(const world::WorldModel& model) {
               << " at the start\n";
 }
 
-std::string overlap_list(const world::WorldModel& model) {
+std::string overlap_list(const cycle::Simulation& simulation) {
+  const auto& model = simulation.model();
   std::string list;
-  for (const auto& [a, b, depth_m] : cycle::overlaps_at_start(model))
+  for (const auto& [a, b, depth_m] : cycle::overlaps_at_start(model, simulation.prepared_meshes()))
     list += (list.empty() ? "{\"a\":" : ",{\"a\":") + protocol::json_quoted(model.bodies[a.index()].name) +
             ",\"b\":" + protocol::json_quoted(model.bodies[b.index()].name) +
             ",\"depth_m\":" + config::number_text(depth_m) + "}";
@@ -49,7 +51,7 @@ std::string overlap_list(const world::WorldModel& model) {
 void print_right(const cycle::Simulation& simulation) {
   const auto& model = simulation.model();
   for (const auto& loss : simulation.scene().losses) std::cout << loss << "\n";
-  print_overlaps(model);
+  print_overlaps(simulation);
   std::cout << simulation.scene().file.string()
             << " is right: " << counted(model.bodies.size(), "body", "bodies") << ", "
             << counted(model.joints.size(), "joint", "joints") << ", "
@@ -86,7 +88,7 @@ void print_right_as_json(const cycle::Simulation& simulation) {
             << ",\"parts\":" << simulation.parts().size() << ",\"tick_ns\":" << model.tick_ns
             << ",\"losses\":[" << losses << "],\"warnings\":" << list_of(simulation.scene().warnings)
             << ",\"repairs\":" << list_of(simulation.scene().repairs)
-            << ",\"overlaps\":" << overlap_list(model) << ",\"actuated\":" << actuated(simulation) << "}\n";
+            << ",\"overlaps\":" << overlap_list(simulation) << ",\"actuated\":" << actuated(simulation) << "}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing

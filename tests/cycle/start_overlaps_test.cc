@@ -43,7 +43,8 @@ scene::Scene bare(const std::string& engine) {
 
 TEST(StartOverlaps, AreToldWithTheirDepth) {
   const scene::Scene scene = scene_with("{overlapping: false}");
-  const auto overlaps = overlaps_at_start(scene.world);
+  collision::PreparedMeshes meshes;
+  const auto overlaps = overlaps_at_start(scene.world, meshes);
   ASSERT_EQ(overlaps.size(), 1u);
   EXPECT_EQ(scene.world.bodies[overlaps[0].a.index()].name, "r/base");
   EXPECT_EQ(scene.world.bodies[overlaps[0].b.index()].name, "r/tool");
@@ -52,13 +53,13 @@ TEST(StartOverlaps, AreToldWithTheirDepth) {
 
 TEST(StartOverlaps, AreKeptUnlessTheModelAsks) {
   const Simulation simulation(scene_with("[]"));
-  EXPECT_EQ(overlaps_at_start(simulation.model()).size(), 1u);
+  EXPECT_EQ(overlaps_at_start(simulation.model(), simulation.prepared_meshes()).size(), 1u);
   EXPECT_TRUE(simulation.scene().repairs.empty());
 }
 
 TEST(StartOverlaps, AreLeftOutAndReportedIfTheModelAsks) {
   const Simulation simulation(scene_with("{overlapping: true}"));
-  EXPECT_TRUE(overlaps_at_start(simulation.model()).empty());
+  EXPECT_TRUE(overlaps_at_start(simulation.model(), simulation.prepared_meshes()).empty());
   EXPECT_EQ(world::find_fault(simulation.model()), "");
   ASSERT_EQ(simulation.scene().repairs.size(), 1u);
   EXPECT_EQ(simulation.scene().repairs[0].remark.text,
@@ -74,7 +75,7 @@ TEST(StartOverlaps, OfTwoModelsStay) {
                                     "true}}, {name: s, file: r.urdf, "
                                     "no_collision: {overlapping: true}, pose: {xyz: [0.19, 0, 0]}}]\n")));
   const auto& bodies = simulation.model().bodies;
-  const auto overlaps = overlaps_at_start(simulation.model());
+  const auto overlaps = overlaps_at_start(simulation.model(), simulation.prepared_meshes());
   EXPECT_FALSE(overlaps.empty());
   for (const Overlap& overlap : overlaps)
     EXPECT_NE(bodies[overlap.a.index()].model, bodies[overlap.b.index()].model);
@@ -85,7 +86,7 @@ class BareRobot : public testing::TestWithParam<const char*> {};
 TEST_P(BareRobot, WithLinksThatOverlapRunsAndGivesTheSameBitsTwice) {
   Simulation first(bare(GetParam())), second(bare(GetParam()));
   EXPECT_EQ(first.scene().repairs.size(), 1u);
-  EXPECT_TRUE(overlaps_at_start(first.model()).empty());
+  EXPECT_TRUE(overlaps_at_start(first.model(), first.prepared_meshes()).empty());
   for (int tick = 0; tick < 1000; ++tick) {
     first.tick();
     second.tick();
