@@ -180,7 +180,7 @@ bool CollisionStage::Impl::find_by_fcl(const world::WorldState& state, std::vect
   for (const auto& [i, j] : pairs) meshes_meeting += has_mesh(shapes[i], shapes[j]);
   for (const auto& [i, j] : pairs) {
     const PreparedShape &a = shapes[i], &b = shapes[j];
-    const bool convex = a.gjk != nullptr && b.gjk != nullptr;
+    const bool convex = a.solid && b.solid;
     const FclStage::Touch touch = convex ? fcl->touch(shapes, i, j) : FclStage::Touch{.gave_up = true};
     if (touch.gave_up) {
       if (!add(a, b, test(a, b), contacts)) return false;

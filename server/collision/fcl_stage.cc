@@ -27,7 +27,8 @@ std::shared_ptr<fcl::CollisionGeometryd> make_hull(const Polytope& polytope) {
 
 // A mesh takes part by its box, in the broad phase only.
 std::shared_ptr<fcl::CollisionGeometryd> make_geometry(const PreparedShape& shape) {
-  const Convex& convex = shape.convex;
+  static const Convex none;
+  const Convex& convex = shape.solid ? shape.solid->convex : none;
   using enum world::ShapeKind;
   switch (shape.kind) {
     case kBox:

@@ -1,7 +1,9 @@
 #include "server/collision/mesh.h"
 
 #include <algorithm>
-#include <map>
+#include <bit>
+#include <unordered_map>
+#include <utility>
 
 namespace visum::collision {
 namespace {
@@ -14,41 +16,53 @@ Eigen::AlignedBox3d box_of(const MeshTriangle& triangle) {
   return box;
 }
 
-// Where the middle of its box lies on an axis.
-double centre(const MeshTriangle& triangle, Eigen::Index axis) {
-  const auto [least, most] =
-      std::minmax({triangle.corners[0][axis], triangle.corners[1][axis], triangle.corners[2][axis]});
-  return (least + most) / 2.0;
+using Place = std::array<double, 3>;
+
+struct PlaceHash {
+  std::size_t operator()(const Place& place) const {
+    std::uint64_t hash = 0;
+    for (const double x : place) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(hash ^ (hash >> 32));
+  }
+};
+
+// Numbers places, since files often repeat their vertices.
+class Places {
+ public:
+  std::uint32_t number(const Eigen::Vector3d& at) {
+    const Place place{at.x() + 0.0, at.y() + 0.0, at.z() + 0.0};  // -0 becomes 0
+    return numbers_.try_emplace(place, static_cast<std::uint32_t>(numbers_.size())).first->second;
+  }
+
+ private:
+  std::unordered_map<Place, std::uint32_t, PlaceHash> numbers_;  // only looked up, never walked
+};
+
+// An edge by the numbers of its two ends.
+std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
+  return std::uint64_t{from} << 32 | to;
 }
 
-struct EdgeSide {
-  std::size_t triangle, edge;
-};
-
-// An edge by the places of its two ends, since files often repeat their vertices.
-struct EdgeKey {
-  std::array<double, 6> ends;
-
-  EdgeKey(const Eigen::Vector3d& from, const Eigen::Vector3d& to)
-      : ends{from.x(), from.y(), from.z(), to.x(), to.y(), to.z()} {}
-  bool operator<(const EdgeKey& other) const { return ends < other.ends; }
-};
-
-// Sets `across` of every edge that has a neighbour.
+// Sets `across` of every edge that has a neighbour. Where edges repeat, the first counts.
 void find_neighbours(std::vector<MeshTriangle>& triangles) {
-  std::map<EdgeKey, EdgeSide> sides;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  Places places;
+  std::vector<std::array<std::uint32_t, 3>> corners(triangles.size());
+  std::unordered_map<std::uint64_t, std::uint32_t> sides;  // the triangle of an edge; never walked
+  sides.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) corners[t][i] = places.number(triangles[t].corners[i]);
     for (std::size_t i = 0; i < 3; ++i)
-      sides.emplace(EdgeKey(triangles[t].corners[i], triangles[t].corners[(i + 1) % 3]), EdgeSide{t, i});
+      sides.try_emplace(edge_key(corners[t][i], corners[t][(i + 1) % 3]), t);
   }
-  for (const auto& [key, side] : sides) {
-    MeshTriangle& triangle = triangles[side.triangle];
-    const Eigen::Vector3d& from = triangle.corners[side.edge];
-    const Eigen::Vector3d& to = triangle.corners[(side.edge + 1) % 3];
-    const auto other = sides.find(EdgeKey(to, from));
-    if (other == sides.end()) continue;
-    const MeshTriangle& neighbour = triangles[other->second.triangle];
-    triangle.across[side.edge] = neighbour.normal.cross((from - to).normalized());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = corners[t][i], to = corners[t][(i + 1) % 3];
+      if (sides.at(edge_key(from, to)) != t) continue;
+      const auto other = sides.find(edge_key(to, from));
+      if (other == sides.end()) continue;
+      const Eigen::Vector3d edge = triangles[t].corners[(i + 1) % 3] - triangles[t].corners[i];
+      triangles[t].across[i] = triangles[other->second].normal.cross((-edge).normalized());
+    }
   }
 }
 
@@ -67,14 +81,25 @@ Mesh::Mesh(const world::TriangleMesh& mesh) {
   }
   find_neighbours(triangles_);
   if (triangles_.empty()) return;
+  Building building;
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    building.boxes.push_back(box_of(triangles_[t]));
+    building.order.push_back(t);
+  }
+  building.keyed.resize(triangles_.size());
   nodes_.emplace_back();
-  split(0, 0, static_cast<std::uint32_t>(triangles_.size()));
+  split(building, 0, 0, static_cast<std::uint32_t>(triangles_.size()));
+  std::vector<MeshTriangle> ordered;
+  ordered.reserve(triangles_.size());
+  for (const std::uint32_t t : building.order) ordered.push_back(triangles_[t]);
+  triangles_ = std::move(ordered);
 }
 
 // Halves the triangles at the median of their centres along the longest axis.
-void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
+void Mesh::split(Building& building, std::uint32_t node, std::uint32_t first, std::uint32_t last) {
+  auto& [boxes, order, keyed] = building;
   Eigen::AlignedBox3d box;
-  for (std::uint32_t i = first; i < last; ++i) box.extend(box_of(triangles_[i]));
+  for (std::uint32_t i = first; i < last; ++i) box.extend(boxes[order[i]]);
   nodes_[node].box = box;
   nodes_[node].first = first;
   nodes_[node].count = last - first;
@@ -83,15 +108,17 @@ void Mesh::split(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (last - first) / 2;
   // The sort is stable, so that equal centres keep the file's order with every library.
-  std::stable_sort(
-      triangles_.begin() + first, triangles_.begin() + last,
-      [axis](const MeshTriangle& a, const MeshTriangle& b) { return centre(a, axis) < centre(b, axis); });
+  for (std::uint32_t i = first; i < last; ++i)
+    keyed[i] = {(boxes[order[i]].min()[axis] + boxes[order[i]].max()[axis]) / 2.0, order[i]};
+  std::stable_sort(keyed.begin() + first, keyed.begin() + last,
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::uint32_t i = first; i < last; ++i) order[i] = keyed[i].second;
   const auto children = static_cast<std::uint32_t>(nodes_.size());
   nodes_.resize(nodes_.size() + 2);
   nodes_[node].first = children;
   nodes_[node].count = 0;
-  split(children, first, middle);
-  split(children + 1, middle, last);
+  split(building, children, first, middle);
+  split(building, children + 1, middle, last);
 }
 
 }  // namespace visum::collision

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "server/world/world_model.h"
@@ -60,8 +61,14 @@ class Mesh {
     std::uint32_t first = 0, count = 0;
   };
 
-  // Builds the node of triangles first..last-1 and its children.
-  void split(std::uint32_t node, std::uint32_t first, std::uint32_t last);
+  // What the tree is built from. It sorts small keys; the triangles are put in order at the end.
+  struct Building {
+    std::vector<Eigen::AlignedBox3d> boxes;  // by triangle
+    std::vector<std::uint32_t> order;        // the triangles, as the tree has them
+    std::vector<std::pair<double, std::uint32_t>> keyed;
+  };
+  // Builds the node of the triangles that are first to last-1 in order, and its children.
+  void split(Building& building, std::uint32_t node, std::uint32_t first, std::uint32_t last);
 
   std::vector<MeshTriangle> triangles_;  // in the order of the tree
   std::vector<Node> nodes_;

@@ -206,11 +206,11 @@ void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShap
       for (const Eigen::Vector3d& corner : triangle.corners)
         add_below(plane, placed.p + placed.R * corner, 0.0);
     });
-  } else if (shape.convex.family == Family::kPolytope) {
-    for (const Eigen::Vector3d& vertex : shape.convex.polytope.vertices)
+  } else if (const Convex& convex = shape.solid->convex; convex.family == Family::kPolytope) {
+    for (const Eigen::Vector3d& vertex : convex.polytope.vertices)
       add_below(plane, placed.p + placed.R * vertex, 0.0);
   } else {
-    const Feature feature = shape.convex.feature(placed.R.transpose() * -plane.placed.R.col(2));
+    const Feature feature = convex.feature(placed.R.transpose() * -plane.placed.R.col(2));
     for (std::size_t i = 0; i < feature.polygon.count; ++i)
       add_below(plane, placed.p + placed.R * feature.polygon.points[i], feature.radius);
   }
@@ -219,7 +219,7 @@ void NarrowPhase::find_with_plane(const PreparedShape& plane, const PreparedShap
 // Where one triangle is apart from the shape, so are most of its neighbours, and by the same plane.
 void NarrowPhase::find_with_mesh(const PreparedShape& mesh, const PreparedShape& shape) {
   const Eigen::AlignedBox3d box = in_frame_of(mesh, shape.box_W);
-  const std::uint64_t look = kTriangle + kPerCorner * shape.convex.polytope.vertices.size();
+  const std::uint64_t look = kTriangle + kPerCorner * shape.solid->convex.polytope.vertices.size();
   Unreached unreached;
   visit(
       *mesh.mesh,

@@ -11,7 +11,6 @@ namespace {
 // Shapes nearer than this may get no direction from GJK, although it has found one before. A gap is shortened
 // by it.
 constexpr double kGjkSlackM = 1e-3;
-constexpr std::size_t kMaxSatDirections = 12;  // of faces, and of edges: at most 24 + 144 axes
 // Edges and found directions must be better than a face by this factor and length.
 constexpr double kFaceBonus = 0.95;
 constexpr double kFaceSlackM = 1e-6;

@@ -1,32 +1,27 @@
 #include "server/collision/polytope.h"
 
 #include <cmath>
-#include <map>
 
 namespace visum::collision {
 namespace {
 
 constexpr double kSameDirection = 1.0 - 1e-9;
-constexpr double kApart = 4.5e-5;  // at most: length between unit vectors whose product is kSameDirection
 
 // Collects directions, each of which may stand for its opposite.
 class Directions {
  public:
   explicit Directions(std::vector<Eigen::Vector3d>& directions) : directions_(directions) {}
 
-  // Adds a direction, unless it or its opposite is there already.
+  // Adds a direction, unless it or its opposite is there already, or there are too many.
   void add_distinct(const Eigen::Vector3d& unit) {
-    const double x = std::abs(unit.x());
-    const auto end = by_x_.upper_bound(x + kApart);
-    for (auto near = by_x_.lower_bound(x - kApart); near != end; ++near)
-      if (std::abs(directions_[near->second].dot(unit)) > kSameDirection) return;
-    by_x_.emplace(x, directions_.size());
+    if (directions_.size() > kMaxSatDirections) return;
+    for (const Eigen::Vector3d& known : directions_)
+      if (std::abs(known.dot(unit)) > kSameDirection) return;
     directions_.push_back(unit);
   }
 
  private:
   std::vector<Eigen::Vector3d>& directions_;
-  std::multimap<double, std::size_t> by_x_;  // their numbers by |x|, so that few are compared
 };
 
 }  // namespace

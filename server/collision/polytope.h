@@ -10,6 +10,9 @@
 
 namespace visum::collision {
 
+// Solids with more directions of faces, or of edges, are not tested along all separating axes (24 + 144).
+inline constexpr std::size_t kMaxSatDirections = 12;
+
 struct Polytope {
   struct Face {
     Eigen::Vector3d normal;   // unit, outwards
@@ -19,9 +22,10 @@ struct Polytope {
 
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Face> faces;
-  std::vector<std::uint32_t> corners;                // vertices of the faces, one face after the other
-  std::vector<Eigen::Vector3d> normals;              // of the faces; a direction and its opposite count once
-  std::vector<Eigen::Vector3d> edges;                // of the edges; likewise
+  std::vector<std::uint32_t> corners;    // vertices of the faces, one face after the other
+  std::vector<Eigen::Vector3d> normals;  // of the faces; a direction and its opposite count once. The first
+                                         // kMaxSatDirections + 1 of them, since nobody looks along more
+  std::vector<Eigen::Vector3d> edges;    // of the edges; likewise
   std::vector<std::vector<std::uint32_t>> faces_of;  // by vertex: the faces that meet there
   Eigen::Vector3d box =
       Eigen::Vector3d::Zero();  // half the lengths of a box about its frame; 0 for other solids

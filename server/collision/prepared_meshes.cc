@@ -33,12 +33,11 @@ std::shared_ptr<const Mesh> PreparedMeshes::mesh(const world::TriangleMesh& mesh
   return find_or_make(meshes_, key, [&] { return std::make_shared<const Mesh>(mesh); });
 }
 
-std::shared_ptr<const PreparedHull> PreparedMeshes::hull(const world::TriangleMesh& mesh) {
+std::shared_ptr<const Solid> PreparedMeshes::hull(const world::TriangleMesh& mesh) {
   const Key key = key_of(mesh);
   const std::lock_guard lock(mutex_);
-  return find_or_make(hulls_, key, [&] {
-    return std::make_shared<const PreparedHull>(make_convex(make_hull(mesh.vertices)));
-  });
+  return find_or_make(hulls_, key,
+                      [&] { return std::make_shared<const Solid>(make_convex(make_hull(mesh.vertices))); });
 }
 
 void PreparedMeshes::forget_unused() {

@@ -16,11 +16,11 @@
 
 namespace visum::collision {
 
-// The hull of a mesh's vertices, as both algorithms of the narrow phase see it.
-struct PreparedHull {
-  explicit PreparedHull(Convex solid) : convex(std::move(solid)), gjk(std::make_shared<GjkShape>(convex)) {}
+// A convex shape as both algorithms of the narrow phase see it.
+struct Solid {
+  explicit Solid(Convex shape) : convex(std::move(shape)), gjk(convex) {}
   Convex convex;
-  std::shared_ptr<const GjkShape> gjk;
+  GjkShape gjk;
 };
 
 // Any thread may use it, several at once. What it returns is constant, and lives as long as somebody has it.
@@ -28,7 +28,7 @@ class PreparedMeshes {
  public:
   std::shared_ptr<const Mesh> mesh(const world::TriangleMesh& mesh);
   // Throws std::runtime_error where the vertices span no volume.
-  std::shared_ptr<const PreparedHull> hull(const world::TriangleMesh& mesh);
+  std::shared_ptr<const Solid> hull(const world::TriangleMesh& mesh);
   // Lets go of what nobody else has.
   void forget_unused();
 
@@ -38,7 +38,7 @@ class PreparedMeshes {
 
   std::mutex mutex_;
   std::map<Key, std::shared_ptr<const Mesh>> meshes_;
-  std::map<Key, std::shared_ptr<const PreparedHull>> hulls_;
+  std::map<Key, std::shared_ptr<const Solid>> hulls_;
 };
 
 }  // namespace visum::collision

@@ -3,23 +3,25 @@
 namespace visum::collision {
 namespace {
 
-// A convex shape that is no hull of a mesh.
-Convex make_convex_of(const world::Shape& shape) {
+std::shared_ptr<const Solid> make_solid(const world::WorldModel& model, const world::Shape& shape,
+                                        PreparedMeshes& meshes) {
   switch (shape.kind) {
     case world::ShapeKind::kBox:
-      return make_convex(make_box({shape.size[0], shape.size[1], shape.size[2]}));
+      return std::make_shared<const Solid>(
+          make_convex(make_box({shape.size[0], shape.size[1], shape.size[2]})));
     case world::ShapeKind::kSphere:
-      return make_round(shape.size[0], 0.0);
+      return std::make_shared<const Solid>(make_round(shape.size[0], 0.0));
     case world::ShapeKind::kCylinder:
-      return make_cylinder(shape.size[0], shape.size[1]);
+      return std::make_shared<const Solid>(make_cylinder(shape.size[0], shape.size[1]));
     case world::ShapeKind::kCapsule:
-      return make_round(shape.size[0], shape.size[1]);
+      return std::make_shared<const Solid>(make_round(shape.size[0], shape.size[1]));
     case world::ShapeKind::kConvex:
+      return meshes.hull(model.meshes[shape.mesh.index()]);
     case world::ShapeKind::kPlane:
     case world::ShapeKind::kMesh:
       break;
   }
-  return {};
+  return nullptr;
 }
 
 // The box around a shape, in the shape's frame.
@@ -58,15 +60,9 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
   if (shape.kind == world::ShapeKind::kMesh) {
     prepared.mesh = meshes.mesh(model.meshes[shape.mesh.index()]);
     prepared.box_S = box_of(*prepared.mesh);
-  } else if (shape.kind == world::ShapeKind::kConvex) {
-    const auto hull = meshes.hull(model.meshes[shape.mesh.index()]);
-    prepared.convex = hull->convex;
-    prepared.gjk = hull->gjk;
-    prepared.box_S = box_of(prepared.convex);
   } else if (shape.kind != world::ShapeKind::kPlane) {
-    prepared.convex = make_convex_of(shape);
-    prepared.gjk = std::make_shared<const GjkShape>(prepared.convex);
-    prepared.box_S = box_of(prepared.convex);
+    prepared.solid = make_solid(model, shape, meshes);
+    prepared.box_S = box_of(prepared.solid->convex);
   }
   return prepared;
 }
@@ -92,7 +88,9 @@ std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, Prepar
 void place(PreparedShape& shape, const world::WorldModel& model, const world::WorldState& state) {
   const world::Pose X_WS =
       link_pose(model.bodies[shape.body.index()], state.bodies[shape.body.index()]) * shape.X_BS;
-  shape.placed = {&shape.convex, shape.gjk.get(), X_WS.q.toRotationMatrix(), X_WS.p};
+  const Solid* solid = shape.solid.get();
+  shape.placed = {solid ? &solid->convex : nullptr, solid ? &solid->gjk : nullptr, X_WS.q.toRotationMatrix(),
+                  X_WS.p};
   shape.box_W.setEmpty();
   if (shape.placed.p.allFinite() && shape.placed.R.allFinite() && !shape.box_S.isEmpty())
     shape.box_W = box_around(shape.box_S, shape.placed.R, shape.placed.p);

@@ -23,10 +23,9 @@ struct PreparedShape {
   bool unmoved = false;  // fixed or kinematic: no contact moves it
   world::Pose X_BS;
   double friction = 0.0, restitution = 0.0, rolling_friction = 0.0, torsional_friction = 0.0;
-  Convex convex;                  // for all kinds but plane and mesh
-  std::shared_ptr<const GjkShape> gjk;  // likewise
-  std::shared_ptr<const Mesh> mesh;     // for a mesh; null otherwise
-  Eigen::AlignedBox3d box_S;      // around it, in its frame; empty for a plane
+  std::shared_ptr<const Solid> solid;  // null for planes and meshes
+  std::shared_ptr<const Mesh> mesh;    // null for all others
+  Eigen::AlignedBox3d box_S;           // around it, in its frame; empty for a plane
   // Set by place():
   Placed placed;              // for planes and meshes only the frame
   Eigen::AlignedBox3d box_W;  // empty if the pose is not finite; not used for a plane

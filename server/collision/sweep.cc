@@ -26,8 +26,8 @@ double thickness_of(const PreparedShape& shape) {
 // From the centre of mass to the farthest point that turning moves, m. A ball about a point moves only with
 // that point.
 double turning_reach_of(const PreparedShape& shape, const Eigen::Vector3d& p_BC) {
-  const bool is_round = shape.mesh == nullptr && shape.convex.family == Family::kRound;
-  const double rounding = is_round ? shape.convex.radius : 0.0;
+  const bool is_round = shape.solid && shape.solid->convex.family == Family::kRound;
+  const double rounding = is_round ? shape.solid->convex.radius : 0.0;
   const Eigen::AlignedBox3d core(shape.box_S.min().array() + rounding, shape.box_S.max().array() - rounding);
   double reach = 0.0;
   for (int i = 0; i < 8; ++i) {

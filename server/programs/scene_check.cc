@@ -88,7 +88,8 @@ void print_right_as_json(const cycle::Simulation& simulation) {
             << ",\"parts\":" << simulation.parts().size() << ",\"tick_ns\":" << model.tick_ns
             << ",\"losses\":[" << losses << "],\"warnings\":" << list_of(simulation.scene().warnings)
             << ",\"repairs\":" << list_of(simulation.scene().repairs)
-            << ",\"overlaps\":" << overlap_list(simulation) << ",\"actuated\":" << actuated(simulation) << "}\n";
+            << ",\"overlaps\":" << overlap_list(simulation) << ",\"actuated\":" << actuated(simulation)
+            << "}\n";
 }
 
 // The members file, line, key and message of an error as JSON, after `before` and without the closing
