@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -105,9 +106,12 @@ class Child {
   // How it ended; nothing if it had not ended by `end`.
   std::optional<int> wait_until(Clock::time_point end) {
     int status = 0;
+    const Descriptor process(static_cast<int>(
+        ::syscall(SYS_pidfd_open, pid_, 0)));  // -1 where the kernel has none: poll() ignores it
     while (::waitpid(pid_, &status, WNOHANG) == 0) {
       if (Clock::now() >= end) return std::nullopt;
-      ::poll(nullptr, 0, 1);  // ms: it has closed its output and is about to end
+      pollfd ended{process.get(), POLLIN, 0};
+      ::poll(&ended, 1, 1);  // ms: it has closed its output and is about to end
     }
     pid_ = -1;
     return status;
