@@ -8,6 +8,7 @@
 #include "protocol/command_line/parse.h"
 #include "server/gateway/page_files.h"
 #include "server/programs/program.h"
+#include "server/scene/answer_cache.h"
 
 namespace visum::programs {
 namespace {
@@ -70,6 +71,13 @@ void declare_packages(CLI::App& app, scene::Packages& packages) {
          "where the package NAME lies that the meshes of models name; repeatable")
       ->type_name("NAME=PATH")
       ->allow_extra_args(false);
+}
+
+void declare_cache(CLI::App& app) {
+  scene::keep_answers_in(scene::usual_cache_folder());
+  app.add_flag_callback(
+      "--no-cache", [] { scene::keep_answers_in({}); },
+      "neither use nor keep converted meshes of earlier runs (in $XDG_CACHE_HOME/visum)");
 }
 
 void declare_node_timeout(CLI::App& app, PluginOptions& plugins) {

@@ -33,6 +33,8 @@ struct PluginOptions {
 void declare_plugins(CLI::App& app, PluginOptions& plugins);
 // Adds --package NAME=PATH: where the packages lie that models name. Fills `packages` as it reads the words.
 void declare_packages(CLI::App& app, scene::Packages& packages);
+// Adds --no-cache. Without it, what slow readers make of a scene's files is kept for later runs.
+void declare_cache(CLI::App& app);
 // Adds --node-timeout, for programs that run the plug-ins' code.
 void declare_node_timeout(CLI::App& app, PluginOptions& plugins);
 

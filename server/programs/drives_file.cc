@@ -206,6 +206,7 @@ int write_drives(const Command& command) {
   app.add_flag("--force", options.force, "replace files that exist");
   declare_plugins(app, plugins);
   declare_packages(app, options.of_scene.packages);
+  declare_cache(app);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer(
       "Each joint gets the smallest class that moves what hangs behind it at the model's speed, and gains "

@@ -1,6 +1,7 @@
 // visum-mesh: reads a Collada file from standard input and writes its triangles to standard output
 // (scene/collada/import.h describes their form). visumd runs it once for each file. It confines itself before
 // it reads, so the worst that a bad file can do is to end this process.
+#include <link.h>
 #include <unistd.h>
 
 #include <CLI/App.hpp>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -46,6 +48,20 @@ bool write_all(int fd, const std::string& bytes) {
   return true;
 }
 
+// A line for each file of code in this process: whoever keeps the answer has to know whose it is.
+std::string code_lines() {
+  std::string lines;
+  const auto add = [](dl_phdr_info* object, std::size_t, void* to) {
+    std::string path = object->dlpi_name;
+    if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe");
+    // What the kernel adds has no folder.
+    if (path.find('/') != std::string::npos) *static_cast<std::string*>(to) += "code " + path + "\n";
+    return 0;
+  };
+  ::dl_iterate_phdr(add, &lines);
+  return lines;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -62,9 +78,10 @@ int main(int argc, char** argv) {
   }
   int code = EXIT_SUCCESS;
   try {
+    const auto code = code_lines();
     visum::collada::confine();
     const auto answer = visum::collada::to_answer(visum::collada::import_collada(read_all()));
-    if (!write_all(STDOUT_FILENO, answer))
+    if (!write_all(STDOUT_FILENO, code + answer))
       throw std::runtime_error(std::string("standard output: cannot be written: ") + std::strerror(errno));
   } catch (const std::exception& error) {
     write_all(STDERR_FILENO, error.what());

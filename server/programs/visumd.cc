@@ -266,6 +266,7 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   programs::declare_plugins(app, options.plugins);
   programs::declare_packages(app, options.of_scene.packages);
+  programs::declare_cache(app);
   programs::declare_node_timeout(app, options.plugins);
   app.add_option("--bus", options.buses,
                  "PART=KIND:WHERE, a field bus to the part's modules; repeatable. KIND:WHERE is pty:PATH, "
@@ -309,6 +310,7 @@ int check(const programs::Command& command) {
   app.add_option("--parameters", of_scene.parameters, kParametersHelp)->type_name("YAML");
   programs::declare_plugins(app, plugins);
   programs::declare_packages(app, of_scene.packages);
+  programs::declare_cache(app);
   programs::declare_node_timeout(app, plugins);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer("Example:\n  " + command.name +
@@ -331,6 +333,7 @@ int convert(const programs::Command& command) {
   app.add_option("TO", to, "the file to write: .yaml, .sdf, .x3d, .x3dv or .wrl")->required();
   programs::declare_plugins(app, plugins);
   programs::declare_packages(app, of_scene.packages);
+  programs::declare_cache(app);
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer(
       "Examples:\n  " + command.name + " models/scenes/hall.yaml hall.x3d\n  " + command.name +
@@ -366,6 +369,7 @@ int replay(const programs::Command& command) {
   CLI::App app{"Repeats a recorded run and compares ports and the state's hash", command.name};
   app.add_option("recording", file, "an MCAP file that --record wrote")->required()->type_name("FILE.mcap");
   programs::declare_plugins(app, plugins);
+  programs::declare_cache(app);
   programs::declare_node_timeout(app, plugins);
   app.add_flag("--json", output.json, "print one line of JSON");
   auto* shown =

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <charconv>
+#include <ctime>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 
+#include "protocol/config/read_file.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/reader_process.h"
 
@@ -15,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxParts = 1000;
+
+constexpr std::string_view kCode = "code ";
 
 [[noreturn]] void fail_answer() {
   throw std::runtime_error("its reader's answer is not a mesh");
@@ -46,6 +50,13 @@ std::size_t read_part_line(std::istringstream& words, ColladaPart& part) {
   return bytes;
 }
 
+// The files that the reader ran with.
+std::vector<fs::path> code_of(std::string_view answer) {
+  std::vector<fs::path> files;
+  while (answer.starts_with(kCode)) files.push_back(take_line(answer).substr(kCode.size()));
+  return files;
+}
+
 fs::path program_beside_this() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
@@ -59,6 +70,7 @@ bool is_collada(const fs::path& file) {
 
 ColladaMesh read_collada_answer(std::string_view answer, const std::string& file) {
   ColladaMesh whole;
+  while (answer.starts_with(kCode)) take_line(answer);
   while (true) {
     std::istringstream words(take_line(answer));
     std::string word;
@@ -82,8 +94,17 @@ ColladaMesh read_collada_answer(std::string_view answer, const std::string& file
 }
 
 ColladaMesh read_collada(const fs::path& file, const ColladaProcess& process) {
+  const auto content = config::read_file(file, kMaxMeshBytes);
+  if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
   const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
-  return read_collada_answer(run_reader(program, file, {process.deadline, kMaxMeshBytes}), file.string());
+  const AnswerCache& cache = process.cache ? *process.cache : answer_cache();
+  if (const auto known = cache.find(program, content.bytes))
+    return read_collada_answer(*known, file.string());
+  const std::time_t begun = std::time(nullptr);
+  const std::string answer = run_reader(program, content.bytes, {process.deadline, kMaxMeshBytes});
+  ColladaMesh mesh = read_collada_answer(answer, file.string());
+  cache.keep(program, content.bytes, answer, code_of(answer), begun);
+  return mesh;
 }
 
 }  // namespace visum::scene

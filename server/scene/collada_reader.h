@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/scene/answer_cache.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
@@ -24,10 +25,11 @@ struct ColladaMesh {
   bool textured = false;           // it has textures, which are not shown
 };
 
-// The reading process, and its time limit by the wall clock.
+// The reading process, its time limit by the wall clock, and where its answers are kept.
 struct ColladaProcess {
   std::string program;  // empty: the visum-mesh beside the running program
   std::chrono::milliseconds deadline{30'000};
+  const AnswerCache* cache = nullptr;  // null: answer_cache()
 };
 
 // Decides by the file's extension.

@@ -17,9 +17,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "protocol/config/read_file.h"
-#include "server/scene/mesh_readers.h"
-
 namespace visum::scene {
 namespace {
 
@@ -46,12 +43,9 @@ class Descriptor {
   int fd_;
 };
 
-// Copies the content into a memory file, so that the process gets a descriptor wherever the content came
-// from.
-Descriptor in_memory(const config::FileContent& content) {
-  if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
+// Copies the bytes into a memory file, so that the process gets a descriptor wherever they came from.
+Descriptor in_memory(std::string_view left) {
   Descriptor memory(::memfd_create("mesh", MFD_CLOEXEC));
-  std::string_view left = content.bytes;
   while (!left.empty()) {
     const ssize_t written = ::write(memory.get(), left.data(), left.size());
     if (written <= 0)
@@ -184,10 +178,9 @@ std::string run(const std::vector<std::string>& words, char* const* environment,
 
 }  // namespace
 
-std::string run_reader(const std::string& program, const std::filesystem::path& file,
-                       const ReaderBounds& bounds) {
+std::string run_reader(const std::string& program, std::string_view input, const ReaderBounds& bounds) {
   std::array<char*, 1> no_environment{nullptr};
-  return run({program}, no_environment.data(), in_memory(config::read_file(file, kMaxMeshBytes)), bounds);
+  return run({program}, no_environment.data(), in_memory(input), bounds);
 }
 
 std::string run_program(const std::vector<std::string>& words, const ReaderBounds& bounds) {

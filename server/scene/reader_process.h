@@ -3,8 +3,8 @@
 
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace visum::scene {
@@ -15,11 +15,10 @@ struct ReaderBounds {
   const char* answer = "triangles";  // what the answer consists of, for messages
 };
 
-// Runs `program` with `file` on its standard input and returns its standard output. None of our other files
+// Runs `program` with a file's bytes on its standard input and returns its standard output. None of our files
 // is open in it. Throws std::runtime_error if it does not succeed in time. The text is the first line of its
 // standard error, or says what became of it.
-std::string run_reader(const std::string& program, const std::filesystem::path& file,
-                       const ReaderBounds& bounds);
+std::string run_reader(const std::string& program, std::string_view input, const ReaderBounds& bounds);
 
 // Runs a program of the user with arguments and our environment, without a shell and without input. The rest
 // is as with run_reader().

@@ -22,7 +22,7 @@ class ReaderProcess : public testing::Test {
     return file.string();
   }
   std::string run(const std::string& program, std::chrono::milliseconds deadline = 60s) const {
-    return run_reader(program, files_.folder() / "input", {deadline, 4u << 20});
+    return run_reader(program, "what is read\n", {deadline, 4u << 20});
   }
   std::string why_not(const std::string& program, std::chrono::milliseconds deadline = 60s) const {
     try {
@@ -35,7 +35,6 @@ class ReaderProcess : public testing::Test {
     return "";
   }
   TempFiles files_;
-  std::filesystem::path input_ = files_.write("input", "what is read\n");
 };
 
 TEST_F(ReaderProcess, GetsTheFileAndIsHeard) {

@@ -40,6 +40,7 @@ std::vector<std::string> command_line(const DaemonOptions& options) {
   for (const auto& folder : options.plugins) argv.insert(argv.end(), {"--plugins", folder});
   if (options.node_timeout_s)
     argv.insert(argv.end(), {"--node-timeout", cli::exact(*options.node_timeout_s)});
+  if (!options.caches) argv.push_back("--no-cache");
   if (!options.profile.empty()) argv.insert(argv.end(), {"--profile", options.profile});
   if (!options.profile.empty() && !options.profile_spans) argv.insert(argv.end(), {"--profile-spans", "0"});
   if (!options.used_files.empty()) argv.insert(argv.end(), {"--used-files", options.used_files});

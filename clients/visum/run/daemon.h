@@ -29,6 +29,7 @@ struct DaemonOptions {
   std::string parameters{};            // of the scene, as --parameters takes them; empty: its defaults
   std::vector<std::string> plugins{};  // folders
   std::optional<double> node_timeout_s{};
+  bool caches = true;           // meshes that it converts
   std::string profile{};        // visumd writes its profile here; empty: nothing is measured
   bool profile_spans = false;   // with a trace in it
   std::string used_files{};     // visumd writes here what it read; empty: nowhere

@@ -420,6 +420,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
     // Nobody could find the page of a run that does not say where it is.
     daemon_options.serves_page = options.keep || options.port != 0;
     if (options.notes_files) daemon_options.used_files = (links.path() / "files").string();
+    daemon_options.caches = options.caches;
     daemon_options.threads = options.threads;
     daemon_options.forks = options.forks;
     if (options.profile != nullptr) {

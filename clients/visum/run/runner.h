@@ -21,6 +21,7 @@ struct RunOptions {
   std::uint16_t port = 0;                  // 0: any free one
   std::vector<std::string> plugins{};      // folders that the scene's plug-ins may come from
   std::optional<double> node_timeout_s{};  // how long one of their calls may take; none: visumd's default
+  bool caches = true;                      // visumd keeps converted meshes, and uses kept ones
   int threads = 1;                         // of the engine
   RunProfile* profile = nullptr;           // measures the run; must outlive it
   bool notes_files = false;                // fills Report::files

@@ -53,6 +53,7 @@ class RunVerb : public Verb {
         ->check(CLI::ExistingDirectory);
     app.add_option("--node-timeout", node_timeout_s_,
                    "seconds that one call of a plug-in may take; 0: no limit");
+    app.add_flag("--no-cache", no_cache_, "neither use nor keep converted meshes of earlier runs");
     app.add_option("--speedup", speedup_,
                    "simulated seconds per second of wall time; in lockstep this is the most, and without it "
                    "the world runs as "
@@ -177,6 +178,7 @@ class RunVerb : public Verb {
     if (!clock_.empty()) words.insert(words.end(), {"--clock", clock_});
     if (seed_) words.insert(words.end(), {"--seed", std::to_string(*seed_)});
     if (timeout_s_ > 0.0) words.insert(words.end(), {"--timeout", exact(timeout_s_)});
+    if (no_cache_) words.push_back("--no-cache");
     if (threads_ > 1) words.insert(words.end(), {"--threads", std::to_string(threads_)});
     if (speedup_ > 0.0) words.insert(words.end(), {"--speedup", exact(speedup_)});
     for (const auto& folder : plugins_) words.insert(words.end(), {"--plugins", folder});
@@ -244,6 +246,7 @@ class RunVerb : public Verb {
     options.visumd = run::find_visumd();
     options.plugins = plugins_;
     options.node_timeout_s = node_timeout_s_;
+    options.caches = !no_cache_;
     options.threads = threads_;
     return options;
   }
@@ -376,6 +379,7 @@ class RunVerb : public Verb {
   std::optional<run::SpareRecording> spare_;
   std::vector<std::string> plugins_;
   std::optional<double> node_timeout_s_;
+  bool no_cache_ = false;
   std::optional<std::int64_t> seed_;
   std::uint16_t port_ = 0;
   int threads_ = 1;

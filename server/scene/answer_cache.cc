@@ -1,0 +1,238 @@
+#include "server/scene/answer_cache.h"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <system_error>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "server/scene/build_id.h"
+
+namespace visum::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An entry: kMagic, a line "BUILD_ID PATH" for each file of code, an empty line, the answer, and the XXH3-128
+// of all that. Change the magic with the form.
+constexpr std::string_view kMagic = "visum answer 1\n";
+constexpr const char* kExtension = ".answer";
+constexpr const char* kUnfinished = ".new";  // followed by six letters
+constexpr std::size_t kDigestBytes = sizeof(XXH128_canonical_t);
+constexpr std::uintmax_t kMaxEntryBytes = std::uintmax_t{256} << 20;
+constexpr std::int64_t kClockSlackS = 2;      // the times of files come from a coarser clock
+constexpr std::int64_t kUnusedS = 24 * 3600;  // an entry's time is renewed when it is so old
+constexpr std::int64_t kAbandonedS = 3600;    // an unfinished file of this age has lost its writer
+
+XXH128_canonical_t digest_of(XXH3_state_t& state) {
+  XXH128_canonical_t digest;
+  XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(&state));
+  return digest;
+}
+
+std::string_view bytes_of(const XXH128_canonical_t& digest) {
+  return {reinterpret_cast<const char*>(digest.digest), kDigestBytes};
+}
+
+// Those of which glibc's libm has variants, which may round differently.
+std::string instruction_sets() {
+  std::string sets;
+#ifdef __x86_64__
+  for (const bool has : {__builtin_cpu_supports("sse4.1") != 0, __builtin_cpu_supports("fma") != 0,
+                         __builtin_cpu_supports("fma4") != 0, __builtin_cpu_supports("avx2") != 0,
+                         __builtin_cpu_supports("avx512f") != 0})
+    sets += has ? '1' : '0';
+#endif
+  return sets;
+}
+
+std::int64_t seconds_now() {
+  return ::time(nullptr);
+}
+
+// Takes a line off `text`, without its end. Nothing if there is none.
+std::optional<std::string_view> next_line(std::string_view& text) {
+  const auto end = text.find('\n');
+  if (end == std::string_view::npos) return std::nullopt;
+  const auto line = text.substr(0, end);
+  text.remove_prefix(end + 1);
+  return line;
+}
+
+// True if each file of code is still of the build that the lines name. Takes the lines, and the empty one.
+bool is_of_these_builds(std::string_view& entry) {
+  for (int files = 0;; ++files) {
+    const auto line = next_line(entry);
+    if (!line) return false;
+    if (line->empty()) return files > 0;
+    const auto space = line->find(' ');
+    if (space == 0 || space == std::string_view::npos ||
+        build_id_of(std::string(line->substr(space + 1))) != line->substr(0, space))
+      return false;
+  }
+}
+
+// Not by config::read_file(): the entry is no file of the scene.
+std::optional<std::string> read_entry(const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  if (error || size < kMagic.size() + kDigestBytes || size > kMaxEntryBytes) return std::nullopt;
+  std::string bytes(size, '\0');
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  XXH3_128bits_update(&state, bytes.data(), size - kDigestBytes);
+  const auto digest = digest_of(state);
+  if (!bytes.starts_with(kMagic) || !bytes.ends_with(bytes_of(digest))) return std::nullopt;
+  bytes.resize(size - kDigestBytes);
+  return bytes;
+}
+
+void renew(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) == 0 && seconds_now() - status.st_mtim.tv_sec > kUnusedS)
+    ::utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+}
+
+bool write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+AnswerCache& of_process() {
+  static AnswerCache cache;
+  return cache;
+}
+
+}  // namespace
+
+fs::path usual_cache_folder() {
+  const auto folder_of = [](const char* variable, const char* inside) {
+    const char* value = std::getenv(variable);
+    const fs::path folder = value ? value : "";
+    return folder.is_absolute() ? folder / inside : fs::path();
+  };
+  for (const auto& [variable, inside] :
+       {std::pair{"CACHE_DIRECTORY", ""}, {"XDG_CACHE_HOME", "visum"}, {"HOME", ".cache/visum"}})
+    if (auto folder = folder_of(variable, inside); !folder.empty()) return folder;
+  return {};
+}
+
+fs::path AnswerCache::entry_of(const fs::path& reader, std::string_view input) const {
+  const std::string asked = reader.string() + '\0' + instruction_sets() + '\0';
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  XXH3_128bits_update(&state, asked.data(), asked.size());
+  XXH3_128bits_update(&state, input.data(), input.size());
+  const XXH128_hash_t hash = XXH3_128bits_digest(&state);
+  char name[33];
+  std::snprintf(name, sizeof name, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                static_cast<unsigned long long>(hash.low64));
+  return folder_ / (std::string(name) + kExtension);
+}
+
+std::optional<std::string> AnswerCache::find(const fs::path& reader, std::string_view input) const {
+  if (folder_.empty()) return std::nullopt;
+  const fs::path file = entry_of(reader, input);
+  const auto entry = read_entry(file);
+  if (!entry) return std::nullopt;
+  std::string_view left = std::string_view(*entry).substr(kMagic.size());
+  if (!is_of_these_builds(left)) return std::nullopt;
+  renew(file);
+  return std::string(left);
+}
+
+void AnswerCache::keep(const fs::path& reader, std::string_view input, std::string_view answer,
+                       const std::vector<fs::path>& code, std::int64_t begun) const {
+  if (folder_.empty() || code.empty()) return;
+  std::string head(kMagic);
+  for (const fs::path& file : code) {
+    struct stat status {};
+    const std::string id = build_id_of(file);
+    const bool settled = ::stat(file.c_str(), &status) == 0 && status.st_ctim.tv_sec < begun - kClockSlackS;
+    if (id.empty() || !settled || file.string().find('\n') != std::string::npos)
+      return spdlog::debug("{}: no answer is kept, as {} {}", folder_.string(), file.string(),
+                           id.empty() ? "has no build id" : "is too new");
+    head += id + " " + file.string() + "\n";
+  }
+  head += '\n';
+  if (head.size() + answer.size() + kDigestBytes > kMaxEntryBytes) return;
+  const fs::path entry = entry_of(reader, input);
+  write(entry, head, answer);
+  if (entry.filename().string().starts_with('0')) make_room();
+}
+
+// The file is complete before it has its name, so that nobody reads a part of it.
+void AnswerCache::write(const fs::path& entry, std::string_view head, std::string_view answer) const {
+  std::error_code error;
+  fs::create_directories(folder_.parent_path(), error);
+  ::mkdir(folder_.c_str(), 0700);  // it may be there
+  std::string unfinished = entry.string() + kUnfinished + "XXXXXX";
+  const int fd = ::mkostemp(unfinished.data(), O_CLOEXEC);
+  if (fd < 0) return spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  for (const auto part : {head, answer}) XXH3_128bits_update(&state, part.data(), part.size());
+  const auto digest = digest_of(state);
+  const bool whole = write_all(fd, head) && write_all(fd, answer) && write_all(fd, bytes_of(digest));
+  if (::close(fd) == 0 && whole && ::rename(unfinished.c_str(), entry.c_str()) == 0) return;
+  spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
+  ::unlink(unfinished.c_str());
+}
+
+void AnswerCache::make_room() const {
+  struct Entry {
+    std::int64_t time;
+    std::uintmax_t bytes;
+    fs::path file;
+  };
+  std::vector<Entry> entries;
+  std::uintmax_t bytes = 0;
+  std::error_code error;
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+    struct stat status {};
+    const fs::path& file = it->path();
+    if (::lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    const std::string name = file.filename().string();
+    if (file.extension() == kExtension) {
+      entries.push_back({status.st_mtim.tv_sec, static_cast<std::uintmax_t>(status.st_size), file});
+      bytes += entries.back().bytes;
+    } else if (name.find(std::string(kExtension) + kUnfinished) != std::string::npos &&
+               seconds_now() - status.st_mtim.tv_sec > kAbandonedS) {
+      ::unlink(file.c_str());
+    }
+  }
+  if (bytes <= most_bytes_) return;
+  std::ranges::sort(entries, {}, [](const Entry& entry) { return std::pair(entry.time, entry.file); });
+  for (const Entry& entry : entries) {
+    if (bytes <= most_bytes_ / 4 * 3) break;
+    ::unlink(entry.file.c_str());
+    bytes -= entry.bytes;
+  }
+}
+
+const AnswerCache& answer_cache() {
+  return of_process();
+}
+
+void keep_answers_in(fs::path folder) {
+  of_process() = AnswerCache(std::move(folder));
+}
+
+}  // namespace visum::scene
