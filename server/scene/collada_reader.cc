@@ -1,11 +1,14 @@
 #include "server/scene/collada_reader.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <ctime>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include "protocol/config/read_file.h"
 #include "server/scene/mesh_readers.h"
@@ -62,6 +65,19 @@ fs::path program_beside_this() {
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
 }
 
+ColladaMesh convert(const fs::path& file, const config::FileContent& content, const ColladaProcess& process) {
+  if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
+  const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
+  const AnswerCache& cache = process.cache ? *process.cache : answer_cache();
+  if (const auto known = cache.find(program, content.bytes))
+    return read_collada_answer(*known, file.string());
+  const std::time_t begun = std::time(nullptr);
+  const std::string answer = run_reader(program, content.bytes, {process.deadline, kMaxMeshBytes});
+  ColladaMesh mesh = read_collada_answer(answer, file.string());
+  cache.keep(program, content.bytes, answer, code_of(answer), begun);
+  return mesh;
+}
+
 }  // namespace
 
 bool is_collada(const fs::path& file) {
@@ -94,17 +110,30 @@ ColladaMesh read_collada_answer(std::string_view answer, const std::string& file
 }
 
 ColladaMesh read_collada(const fs::path& file, const ColladaProcess& process) {
-  const auto content = config::read_file(file, kMaxMeshBytes);
-  if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
-  const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
-  const AnswerCache& cache = process.cache ? *process.cache : answer_cache();
-  if (const auto known = cache.find(program, content.bytes))
-    return read_collada_answer(*known, file.string());
-  const std::time_t begun = std::time(nullptr);
-  const std::string answer = run_reader(program, content.bytes, {process.deadline, kMaxMeshBytes});
-  ColladaMesh mesh = read_collada_answer(answer, file.string());
-  cache.keep(program, content.bytes, answer, code_of(answer), begun);
-  return mesh;
+  return convert(file, config::read_file(file, kMaxMeshBytes), process);
+}
+
+// The files are read on this thread, which may note what it reads, or be given it.
+std::vector<ColladaResult> read_all_collada(std::span<const fs::path> files, const ColladaProcess& process) {
+  std::vector<config::FileContent> contents;
+  for (const fs::path& file : files) contents.push_back(config::read_file(file, kMaxMeshBytes));
+  std::vector<ColladaResult> results(files.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < files.size(); i = next++) {
+      try {
+        results[i].mesh = convert(files[i], contents[i], process);
+      } catch (...) {
+        results[i].fault = std::current_exception();
+      }
+    }
+  };
+  const std::size_t readers =
+      std::min({files.size(), std::size_t{std::thread::hardware_concurrency()}, kMostReaders});
+  std::vector<std::jthread> threads;
+  while (threads.size() + 1 < readers) threads.emplace_back(work);
+  work();
+  return results;
 }
 
 }  // namespace visum::scene

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +40,16 @@ bool is_collada(const std::filesystem::path& file);
 // Reads the mesh. Throws std::runtime_error with the reason, as a clause about the file: "it cannot be
 // opened".
 ColladaMesh read_collada(const std::filesystem::path& file, const ColladaProcess& process = {});
+
+// Reads several files as read_collada() does, on as many processes at once as there are processors, up to
+// kMostReaders.
+struct ColladaResult {
+  ColladaMesh mesh;
+  std::exception_ptr fault;  // what read_collada() would have thrown; null: nothing
+};
+std::vector<ColladaResult> read_all_collada(std::span<const std::filesystem::path> files,
+                                            const ColladaProcess& process = {});
+inline constexpr std::size_t kMostReaders = 16;
 
 // Reads the answer of visum-mesh, whose form collada/import.h describes. `file` names the place in errors.
 // Throws as read_collada() does.

@@ -55,6 +55,9 @@ class SdfReader {
       : model_(model), xml_(xml), shapes_(model, packages), file_(model.file.string()) {}
 
   void read(const XMLElement& top) {
+    std::vector<MeshAddress> meshes;
+    find_meshes(top, "", meshes);
+    shapes_.convert_ahead(meshes);
     SdfFrames frames(top, file_);
     read_model(top, frames, "", {}, false);
     throw_all(std::move(errors_));
@@ -62,6 +65,20 @@ class SdfReader {
   }
 
  private:
+  // Those of a model and of the models in it. `prefix`: of its links' names.
+  void find_meshes(const XMLElement& model, const std::string& prefix,
+                   std::vector<MeshAddress>& found) const {
+    for (auto link = model.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
+      for (auto shape = link->FirstChildElement(); shape; shape = shape->NextSiblingElement()) {
+        const XMLElement* geometry = shape->FirstChildElement("geometry");
+        const XMLElement* mesh = geometry ? geometry->FirstChildElement("mesh") : nullptr;
+        if (mesh)
+          found.push_back({text_of(mesh->FirstChildElement("uri")), file_of(prefix + name_of(*link))});
+      }
+    for (auto inner = model.FirstChildElement("model"); inner; inner = inner->NextSiblingElement("model"))
+      find_meshes(*inner, prefix + name_of(*inner) + "::", found);
+  }
+
   static int line_of(const std::map<std::string, int>& lines, const std::string& name) {
     const auto found = lines.find(name);
     return found == lines.end() ? 0 : found->second;

@@ -1,5 +1,7 @@
 #include "server/scene/shape_intake.h"
 
+#include <set>
+
 #include "protocol/config/config.h"
 #include "server/scene/mesh_path.h"
 #include "server/scene/mesh_readers.h"
@@ -17,6 +19,25 @@ void fade(RobotShape& shape, double opacity) {
 
 config::Place ShapeIntake::place_of(const RobotLink& link) const {
   return {link.file.empty() ? model_.file.string() : link.file, link.line, "link '" + link.name + "'"};
+}
+
+void ShapeIntake::convert_ahead(const std::vector<MeshAddress>& meshes) {
+  std::set<std::filesystem::path> files;
+  for (const auto& [address, model_file] : meshes) {
+    if (!is_collada(address)) continue;
+    try {
+      files.insert(resolve_mesh(address, model_file, packages_, {model_file, 0, ""}));
+    } catch (const config::ConfigError&) {
+      // find_mesh() reports it where its shape is read.
+    }
+  }
+  const std::vector<std::filesystem::path> list(files.begin(), files.end());
+  std::vector<ColladaResult> results = read_all_collada(list);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    take(list[i], [&] {
+      if (results[i].fault) std::rethrow_exception(results[i].fault);
+      return std::move(results[i].mesh);
+    });
 }
 
 std::string ShapeIntake::find_mesh(const std::string& address, const RobotLink& link, RobotShape& shape) {
@@ -85,8 +106,12 @@ std::string ShapeIntake::check_seen_mesh(const RobotShape& shape, const RobotLin
 std::string ShapeIntake::convert(const std::filesystem::path& file) {
   if (const auto failed = not_converted_.find(file); failed != not_converted_.end()) return failed->second;
   if (model_.converted.count(file) != 0) return "";
+  return take(file, [&] { return read_collada(file); });
+}
+
+std::string ShapeIntake::take(const std::filesystem::path& file, const std::function<ColladaMesh()>& mesh) {
   try {
-    model_.converted.emplace(file, read_collada(file));
+    model_.converted.emplace(file, mesh());
     return "";
   } catch (const std::runtime_error& error) {
     return not_converted_[file] = "is the mesh '" + file.string() + "': " + error.what();

@@ -3,17 +3,28 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "server/scene/packages.h"
 #include "server/scene/robot_model.h"
 
 namespace visum::scene {
 
+// As a model names a mesh, and the file in which it does.
+struct MeshAddress {
+  std::string address, model_file;
+};
+
 class ShapeIntake {
  public:
   ShapeIntake(RobotModel& model, const Packages& packages) : model_(model), packages_(packages) {}
+
+  // Converts the Collada files among these at once; find_mesh() then has them. It also converts others, one
+  // at a time, and reports what is wrong with each.
+  void convert_ahead(const std::vector<MeshAddress>& meshes);
 
   // Finds the mesh that `address` names in the file of `link`, and fills kind and mesh. Returns the reason if
   // it cannot. Throws ConfigError if the shape collides and the file is not there.
@@ -31,6 +42,8 @@ class ShapeIntake {
   void add_parts(const RobotShape& whole, double opacity, RobotLink& link);
   std::string check_seen_mesh(const RobotShape& shape, const RobotLink& link);
   std::string convert(const std::filesystem::path& file);
+  // Keeps a converted mesh, or why there is none, which it returns.
+  std::string take(const std::filesystem::path& file, const std::function<ColladaMesh()>& mesh);
 
   RobotModel& model_;
   const Packages& packages_;

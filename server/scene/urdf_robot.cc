@@ -60,8 +60,11 @@ class UrdfReader {
     for (auto material = robot.FirstChildElement("material"); material;
          material = material->NextSiblingElement("material"))
       take_color(*material);
+    std::vector<const XMLElement*> links;
     for (auto link = robot.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-      if (text_or(*link, "name", "") != kWorldLink) read_link(*link);
+      if (text_or(*link, "name", "") != kWorldLink) links.push_back(link);
+    shapes_.convert_ahead(meshes_of(links));
+    for (const XMLElement* link : links) read_link(*link);
     for (auto joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
       read_joint(*joint);
     throw_all(std::move(errors_));
@@ -70,6 +73,18 @@ class UrdfReader {
   }
 
  private:
+  std::vector<MeshAddress> meshes_of(const std::vector<const XMLElement*>& links) const {
+    std::vector<MeshAddress> meshes;
+    for (const XMLElement* link : links)
+      for (auto shape = link->FirstChildElement(); shape; shape = shape->NextSiblingElement()) {
+        const XMLElement* geometry = shape->FirstChildElement("geometry");
+        const XMLElement* form = geometry ? geometry->FirstChildElement() : nullptr;
+        if (form && !std::strcmp(form->Name(), "mesh"))
+          meshes.push_back({text_or(*form, "filename", ""), model_.file.string()});
+      }
+    return meshes;
+  }
+
   // A material's own colour, or that of an earlier one of its name.
   std::optional<Color> take_color(const XMLElement& material) {
     const std::string name = text_or(material, "name", "");
