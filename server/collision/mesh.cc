@@ -1,9 +1,10 @@
 #include "server/collision/mesh.h"
 
 #include <algorithm>
-#include <bit>
 #include <unordered_map>
 #include <utility>
+
+#include "server/world/point_numbers.h"
 
 namespace visum::collision {
 namespace {
@@ -16,28 +17,6 @@ Eigen::AlignedBox3d box_of(const MeshTriangle& triangle) {
   return box;
 }
 
-using Place = std::array<double, 3>;
-
-struct PlaceHash {
-  std::size_t operator()(const Place& place) const {
-    std::uint64_t hash = 0;
-    for (const double x : place) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-    return static_cast<std::size_t>(hash ^ (hash >> 32));
-  }
-};
-
-// Numbers places, since files often repeat their vertices.
-class Places {
- public:
-  std::uint32_t number(const Eigen::Vector3d& at) {
-    const Place place{at.x() + 0.0, at.y() + 0.0, at.z() + 0.0};  // -0 becomes 0
-    return numbers_.try_emplace(place, static_cast<std::uint32_t>(numbers_.size())).first->second;
-  }
-
- private:
-  std::unordered_map<Place, std::uint32_t, PlaceHash> numbers_;  // only looked up, never walked
-};
-
 // An edge by the numbers of its two ends.
 std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t{from} << 32 | to;
@@ -45,7 +24,7 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
 
 // Sets `across` of every edge that has a neighbour. Where edges repeat, the first counts.
 void find_neighbours(std::vector<MeshTriangle>& triangles) {
-  Places places;
+  world::PointNumbers places;  // files often repeat their vertices
   std::vector<std::array<std::uint32_t, 3>> corners(triangles.size());
   std::unordered_map<std::uint64_t, std::uint32_t> sides;  // the triangle of an edge; never walked
   sides.reserve(3 * triangles.size());

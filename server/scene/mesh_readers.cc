@@ -1,24 +1,11 @@
 #include "server/scene/mesh_readers.h"
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 
 #include "protocol/config/read_file.h"
 
 namespace visum::scene {
-std::size_t MeshBuilder::Hash::operator()(const std::array<double, 3>& point) const {
-  std::uint64_t hash = 0;
-  for (const double x : point) hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
-  return static_cast<std::size_t>(hash ^ (hash >> 32));
-}
-
-std::uint32_t MeshBuilder::index_of(const Eigen::Vector3d& point) {
-  const std::array<double, 3> key{point[0] + 0.0, point[1] + 0.0, point[2] + 0.0};  // -0 becomes 0
-  const auto [entry, is_new] = indices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.vertices.size()));
-  if (is_new) mesh_.vertices.push_back(point);
-  return entry->second;
-}
 
 void MeshBuilder::add(const std::array<Eigen::Vector3d, 3>& corners, int line) {
   if (mesh_.triangles.size() == world::kMaxTriangles)
@@ -29,7 +16,7 @@ void MeshBuilder::add(const std::array<Eigen::Vector3d, 3>& corners, int line) {
     if (!corners[i].allFinite())
       throw config::ConfigError({file_, line, ""}, "triangle " + std::to_string(mesh_.triangles.size()) +
                                                        " has a vertex that is not finite");
-    triangle[i] = index_of(corners[i]);
+    triangle[i] = vertices_.number(corners[i]);
   }
   const bool degenerate =
       triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
@@ -38,6 +25,7 @@ void MeshBuilder::add(const std::array<Eigen::Vector3d, 3>& corners, int line) {
 
 world::TriangleMesh MeshBuilder::take() {
   if (mesh_.triangles.empty()) throw config::ConfigError({file_, 0, ""}, "holds no triangle");
+  mesh_.vertices = vertices_.take_points();
   return std::move(mesh_);
 }
 

@@ -6,9 +6,9 @@
 
 #include <filesystem>
 #include <string_view>
-#include <unordered_map>
 
 #include "protocol/config/config.h"
+#include "server/world/point_numbers.h"
 #include "server/world/world_model.h"
 
 namespace visum::scene {
@@ -42,15 +42,9 @@ class MeshBuilder {
   world::TriangleMesh take();  // throws ConfigError if there is no triangle
 
  private:
-  struct Hash {
-    std::size_t operator()(const std::array<double, 3>& point) const;
-  };
-  std::uint32_t index_of(const Eigen::Vector3d& point);
-
   std::string file_;
   world::TriangleMesh mesh_;
-  std::unordered_map<std::array<double, 3>, std::uint32_t, Hash>
-      indices_;  // only looked up, never walked: its order is not fixed
+  world::PointNumbers vertices_;
 };
 
 }  // namespace visum::scene

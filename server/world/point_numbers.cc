@@ -1,0 +1,42 @@
+#include "server/world/point_numbers.h"
+
+#include <bit>
+
+namespace visum::world {
+namespace {
+
+constexpr std::size_t kLeastSlots = 64;  // a power of two, as all sizes of the table
+
+std::size_t hash_of(const Eigen::Vector3d& point) {
+  std::uint64_t hash = 0;
+  for (const double x : point)
+    hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15u;  // -0 becomes 0
+  return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+}  // namespace
+
+// The slot that holds the point, or a free one.
+std::size_t PointNumbers::slot_of(const Eigen::Vector3d& point) const {
+  const std::size_t last = table_.size() - 1;
+  std::size_t slot = hash_of(point) & last;
+  while (table_[slot] != 0 && points_[table_[slot] - 1] != point) slot = (slot + 1) & last;
+  return slot;
+}
+
+void PointNumbers::grow() {
+  table_.assign(points_.empty() ? kLeastSlots : 2 * table_.size(), 0);
+  for (std::uint32_t i = 0; i < points_.size(); ++i) table_[slot_of(points_[i])] = i + 1;
+}
+
+std::uint32_t PointNumbers::number(const Eigen::Vector3d& point) {
+  if (2 * points_.size() >= table_.size()) grow();
+  std::uint32_t& known = table_[slot_of(point)];
+  if (known == 0) {
+    points_.push_back(point);
+    known = static_cast<std::uint32_t>(points_.size());
+  }
+  return known - 1;
+}
+
+}  // namespace visum::world
