@@ -39,8 +39,8 @@ void find_neighbours(std::vector<MeshTriangle>& triangles) {
       if (sides.at(edge_key(from, to)) != t) continue;
       const auto other = sides.find(edge_key(to, from));
       if (other == sides.end()) continue;
-      const Eigen::Vector3d edge = triangles[t].corners[(i + 1) % 3] - triangles[t].corners[i];
-      triangles[t].across[i] = triangles[other->second].normal.cross((-edge).normalized());
+      const Eigen::Vector3d back = triangles[t].corners[i] - triangles[t].corners[(i + 1) % 3];
+      triangles[t].across[i] = triangles[other->second].normal.cross(back.normalized());
     }
   }
 }

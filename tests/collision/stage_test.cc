@@ -229,6 +229,41 @@ TEST(CollisionStage, ShapesOfOneMeshHaveOneTree) {
   EXPECT_NE(shapes[0].mesh, shapes[2].mesh);
 }
 
+TEST(CollisionStage, StagesOfOneWorldShareMeshesAndHulls) {
+  SceneBuilder scene;
+  scene.add({kMesh, {1, 1, 1}}, {});
+  scene.add({kConvex, {1, 0.7, 0.5}}, at(5, 0, 0));
+  SceneBuilder equal = scene;
+  equal.model.meshes[0].name = "another name";
+  SceneBuilder other = scene;
+  other.model.meshes[0].vertices[0].x() += 1e-9;
+  other.model.meshes[1].vertices[0].x() += 1e-9;
+  PreparedMeshes meshes;
+  auto shapes = prepare_shapes(scene.model, meshes);
+  for (const auto& [model, is_shared] : {std::pair{&equal.model, true}, {&other.model, false}}) {
+    const auto again = prepare_shapes(*model, meshes);
+    EXPECT_EQ(again[0].mesh == shapes[0].mesh, is_shared);
+    EXPECT_EQ(again[1].solid == shapes[1].solid, is_shared);
+  }
+  const std::weak_ptr<const Mesh> mesh = shapes[0].mesh;
+  const std::weak_ptr<const Solid> hull = shapes[1].solid;
+  meshes.forget_unused();
+  EXPECT_EQ(prepare_shapes(scene.model, meshes)[1].solid, shapes[1].solid) << "they are in use";
+  shapes.clear();
+  EXPECT_FALSE(mesh.expired());
+  meshes.forget_unused();
+  EXPECT_TRUE(mesh.expired());
+  EXPECT_TRUE(hull.expired());
+}
+
+TEST(CollisionStage, AHullWithoutVolumeIsRefusedEachTime) {
+  SceneBuilder scene;
+  scene.add({kConvex, {1, 1, 1}}, {});
+  for (auto& vertex : scene.model.meshes[0].vertices) vertex.z() = 0.0;
+  PreparedMeshes meshes;
+  for (int i = 0; i < 2; ++i) EXPECT_THROW(prepare_shapes(scene.model, meshes), std::runtime_error);
+}
+
 TEST(CollisionStage, ShapesOnlyToBeLookedAtDoNotCollide) {
   SceneBuilder scene;
   scene.add(kCube, {});

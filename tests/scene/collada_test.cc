@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "protocol/config/read_file.h"
 #include "server/scene/collada_reader.h"
 #include "server/scene/robot_model.h"
 #include "server/scene/scene.h"
@@ -55,6 +56,68 @@ TEST(Collada, PartsComeByMaterialInMetresInTheFilesOwnAxes) {
   EXPECT_TRUE(badge.parts[1].mesh.vertices[0].isApprox(Eigen::Vector3d(0, 0, 1), 1e-6)) << "a moved node";
   EXPECT_FALSE(badge.parts[1].color) << "it has a texture";
   EXPECT_TRUE(badge.textured);
+}
+
+// Counts how often the reader runs.
+std::string counting_reader(const TempFiles& files) {
+  const auto script = files.write("reader", "#!/bin/sh\necho >>" + (files.folder() / "runs").string() +
+                                                "\nexec " VISUM_BIN_DIR "/visum-mesh\n");
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  return script.string();
+}
+
+TEST(Collada, IsConvertedOnce) {
+  const TempFiles files;
+  const AnswerCache cache(files.folder() / "cache");
+  const ColladaProcess process{.program = counting_reader(files), .cache = &cache};
+  const auto same = files.write("b.dae", document(kTriangle, "0 1 2"));
+  std::filesystem::copy_file(kBadge, files.folder() / "a.dae");
+  for (int i = 0; i < 3; ++i) {
+    config::FilesNoted noted;
+    const ColladaMesh badge = read_collada(files.folder() / "a.dae", process), fresh = read_collada(kBadge);
+    ASSERT_EQ(badge.parts.size(), 2u);
+    for (std::size_t part = 0; part < 2; ++part) {
+      EXPECT_EQ(badge.parts[part].mesh.vertices, fresh.parts[part].mesh.vertices);
+      EXPECT_EQ(badge.parts[part].mesh.triangles, fresh.parts[part].mesh.triangles);
+      EXPECT_EQ(badge.parts[part].mesh.name, "a.dae");
+      EXPECT_EQ(badge.parts[part].color, fresh.parts[part].color);
+    }
+    EXPECT_TRUE(badge.textured);
+    EXPECT_EQ(read_collada(same, process).parts.size(), 1u);
+    EXPECT_EQ(noted.files.count((files.folder() / "a.dae").string()), 1u) << "as if it were converted";
+    EXPECT_EQ(files.read("runs"), "\n\n");
+  }
+  files.write("b.dae", document(kTriangle, "0 2 1"));
+  EXPECT_EQ(read_collada(same, process).parts[0].mesh.vertices[1], Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(files.read("runs"), "\n\n\n") << "other content";
+  files.write("b.dae", "<COLLADA");
+  for (int i = 0; i < 2; ++i) EXPECT_THROW(read_collada(same, process), std::runtime_error);
+  EXPECT_EQ(files.read("runs"), "\n\n\n\n\n") << "a failure is no answer";
+}
+
+TEST(Collada, ManyFilesAreReadAtOnce) {
+  const TempFiles files;
+  std::vector<std::filesystem::path> list;
+  for (int i = 0; i < 20; ++i) {
+    const std::string end = std::to_string(i + 1);
+    list.push_back(files.write(
+        "m" + end + ".dae",
+        document("<float_array id=\"a\" count=\"9\">0 0 0 " + end + " 0 0 0 1 0</float_array>", "0 1 2")));
+  }
+  files.write("m8.dae", "<COLLADA");
+  list.push_back("/nowhere/a.dae");
+  config::FilesNoted noted;
+  const auto results = read_all_collada(list);
+  ASSERT_EQ(results.size(), 21u);
+  for (std::size_t i = 0; i < 20; ++i) {
+    if (i == 7) continue;
+    ASSERT_FALSE(results[i].fault) << i;
+    EXPECT_EQ(results[i].mesh.parts.at(0).mesh.vertices[1].x(), static_cast<double>(i + 1));
+    EXPECT_EQ(noted.files.count(list[i].string()), 1u);
+  }
+  for (const std::size_t bad : {7u, 20u})
+    EXPECT_THROW(std::rethrow_exception(results[bad].fault), std::runtime_error);
+  EXPECT_TRUE(read_all_collada({}).empty());
 }
 
 TEST(Collada, TheSmallestDocumentIsRead) {
