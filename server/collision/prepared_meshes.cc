@@ -1,6 +1,5 @@
 #include "server/collision/prepared_meshes.h"
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "server/collision/hull.h"
@@ -17,14 +16,11 @@ typename Map::mapped_type find_or_make(Map& known, const typename Map::key_type&
 }  // namespace
 
 PreparedMeshes::Key PreparedMeshes::key_of(const world::TriangleMesh& mesh) {
-  const std::uint64_t count = mesh.vertices.size();
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  XXH3_128bits_update(&state, &count, sizeof count);
-  XXH3_128bits_update(&state, mesh.vertices.data(), mesh.vertices.size() * sizeof mesh.vertices[0]);
-  XXH3_128bits_update(&state, mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
-  const XXH128_hash_t hash = XXH3_128bits_digest(&state);
-  return {hash.low64, hash.high64};
+  const auto hash_of = [](const auto& list) {
+    return XXH3_128bits(list.data(), list.size() * sizeof list[0]);
+  };
+  const XXH128_hash_t vertices = hash_of(mesh.vertices), triangles = hash_of(mesh.triangles);
+  return {vertices.low64, vertices.high64, triangles.low64, triangles.high64};
 }
 
 std::shared_ptr<const Mesh> PreparedMeshes::mesh(const world::TriangleMesh& mesh) {

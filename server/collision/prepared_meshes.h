@@ -33,7 +33,7 @@ class PreparedMeshes {
   void forget_unused();
 
  private:
-  using Key = std::array<std::uint64_t, 2>;  // XXH3 of vertices and triangles
+  using Key = std::array<std::uint64_t, 4>;  // two words of XXH3 of the vertices, two of the triangles
   static Key key_of(const world::TriangleMesh& mesh);
 
   std::mutex mutex_;

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,8 +14,6 @@
 #include <ctime>
 #include <fstream>
 #include <system_error>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 #include "server/scene/build_id.h"
 
@@ -34,14 +33,18 @@ constexpr std::int64_t kClockSlackS = 2;      // the times of files come from a 
 constexpr std::int64_t kUnusedS = 24 * 3600;  // an entry's time is renewed when it is so old
 constexpr std::int64_t kAbandonedS = 3600;    // an unfinished file of this age has lost its writer
 
-XXH128_canonical_t digest_of(XXH3_state_t& state) {
+std::string digest_of(std::string_view bytes) {
   XXH128_canonical_t digest;
-  XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(&state));
-  return digest;
+  XXH128_canonicalFromHash(&digest, XXH3_128bits(bytes.data(), bytes.size()));
+  return {reinterpret_cast<const char*>(digest.digest), kDigestBytes};
 }
 
-std::string_view bytes_of(const XXH128_canonical_t& digest) {
-  return {reinterpret_cast<const char*>(digest.digest), kDigestBytes};
+std::string hexadecimal_digest_of(std::string_view bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  char digits[33];
+  std::snprintf(digits, sizeof digits, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                static_cast<unsigned long long>(hash.low64));
+  return digits;
 }
 
 // Those of which glibc's libm has variants, which may round differently.
@@ -90,11 +93,8 @@ std::optional<std::string> read_entry(const fs::path& file) {
   std::string bytes(size, '\0');
   std::ifstream in(file, std::ios::binary);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  XXH3_128bits_update(&state, bytes.data(), size - kDigestBytes);
-  const auto digest = digest_of(state);
-  if (!bytes.starts_with(kMagic) || !bytes.ends_with(bytes_of(digest))) return std::nullopt;
+  const auto body = std::string_view(bytes).substr(0, size - kDigestBytes);
+  if (!body.starts_with(kMagic) || !bytes.ends_with(digest_of(body))) return std::nullopt;
   bytes.resize(size - kDigestBytes);
   return bytes;
 }
@@ -135,16 +135,8 @@ fs::path usual_cache_folder() {
 }
 
 fs::path AnswerCache::entry_of(const fs::path& reader, std::string_view input) const {
-  const std::string asked = reader.string() + '\0' + instruction_sets() + '\0';
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  XXH3_128bits_update(&state, asked.data(), asked.size());
-  XXH3_128bits_update(&state, input.data(), input.size());
-  const XXH128_hash_t hash = XXH3_128bits_digest(&state);
-  char name[33];
-  std::snprintf(name, sizeof name, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                static_cast<unsigned long long>(hash.low64));
-  return folder_ / (std::string(name) + kExtension);
+  const std::string asked = reader.string() + '\0' + instruction_sets() + '\0' + digest_of(input);
+  return folder_ / (hexadecimal_digest_of(asked) + kExtension);
 }
 
 std::optional<std::string> AnswerCache::find(const fs::path& reader, std::string_view input) const {
@@ -161,7 +153,7 @@ std::optional<std::string> AnswerCache::find(const fs::path& reader, std::string
 void AnswerCache::keep(const fs::path& reader, std::string_view input, std::string_view answer,
                        const std::vector<fs::path>& code, std::int64_t begun) const {
   if (folder_.empty() || code.empty()) return;
-  std::string head(kMagic);
+  std::string body(kMagic);
   for (const fs::path& file : code) {
     struct stat status {};
     const std::string id = build_id_of(file);
@@ -169,28 +161,25 @@ void AnswerCache::keep(const fs::path& reader, std::string_view input, std::stri
     if (id.empty() || !settled || file.string().find('\n') != std::string::npos)
       return spdlog::debug("{}: no answer is kept, as {} {}", folder_.string(), file.string(),
                            id.empty() ? "has no build id" : "is too new");
-    head += id + " " + file.string() + "\n";
+    body += id + " " + file.string() + "\n";
   }
-  head += '\n';
-  if (head.size() + answer.size() + kDigestBytes > kMaxEntryBytes) return;
+  body += '\n';
+  body += answer;
+  if (body.size() + kDigestBytes > kMaxEntryBytes) return;
   const fs::path entry = entry_of(reader, input);
-  write(entry, head, answer);
+  write(entry, body);
   if (entry.filename().string().starts_with('0')) make_room();
 }
 
 // The file is complete before it has its name, so that nobody reads a part of it.
-void AnswerCache::write(const fs::path& entry, std::string_view head, std::string_view answer) const {
+void AnswerCache::write(const fs::path& entry, std::string_view body) const {
   std::error_code error;
   fs::create_directories(folder_.parent_path(), error);
   ::mkdir(folder_.c_str(), 0700);  // it may be there
   std::string unfinished = entry.string() + kUnfinished + "XXXXXX";
   const int fd = ::mkostemp(unfinished.data(), O_CLOEXEC);
   if (fd < 0) return spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  for (const auto part : {head, answer}) XXH3_128bits_update(&state, part.data(), part.size());
-  const auto digest = digest_of(state);
-  const bool whole = write_all(fd, head) && write_all(fd, answer) && write_all(fd, bytes_of(digest));
+  const bool whole = write_all(fd, body) && write_all(fd, digest_of(body));
   if (::close(fd) == 0 && whole && ::rename(unfinished.c_str(), entry.c_str()) == 0) return;
   spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
   ::unlink(unfinished.c_str());

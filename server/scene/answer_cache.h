@@ -42,7 +42,7 @@ class AnswerCache {
 
  private:
   std::filesystem::path entry_of(const std::filesystem::path& reader, std::string_view input) const;
-  void write(const std::filesystem::path& entry, std::string_view head, std::string_view answer) const;
+  void write(const std::filesystem::path& entry, std::string_view body) const;
 
   std::filesystem::path folder_;
   std::uintmax_t most_bytes_;
