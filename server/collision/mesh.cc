@@ -1,5 +1,8 @@
 #include "server/collision/mesh.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
@@ -22,11 +25,15 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t{from} << 32 | to;
 }
 
+struct EdgeHash {
+  std::size_t operator()(std::uint64_t edge) const { return XXH3_64bits(&edge, sizeof edge); }
+};
+
 // Sets `across` of every edge that has a neighbour. Where edges repeat, the first counts.
 void find_neighbours(std::vector<MeshTriangle>& triangles) {
   world::PointNumbers places;  // files often repeat their vertices
   std::vector<std::array<std::uint32_t, 3>> corners(triangles.size());
-  std::unordered_map<std::uint64_t, std::uint32_t> sides;  // the triangle of an edge; never walked
+  std::unordered_map<std::uint64_t, std::uint32_t, EdgeHash> sides;  // the triangle of an edge; never walked
   sides.reserve(3 * triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     for (std::size_t i = 0; i < 3; ++i) corners[t][i] = places.number(triangles[t].corners[i]);

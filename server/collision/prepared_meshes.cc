@@ -7,10 +7,17 @@
 namespace visum::collision {
 namespace {
 
+// What takes long is made without the lock. Where two threads make the same, the first one's stays.
 template <typename Map, typename Make>
-typename Map::mapped_type find_or_make(Map& known, const typename Map::key_type& key, Make make) {
-  if (const auto found = known.find(key); found != known.end()) return found->second;
-  return known.emplace(key, make()).first->second;
+typename Map::mapped_type find_or_make(std::mutex& mutex, Map& known, const typename Map::key_type& key,
+                                       Make make) {
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = known.find(key); found != known.end()) return found->second;
+  }
+  auto made = make();
+  const std::lock_guard lock(mutex);
+  return known.emplace(key, std::move(made)).first->second;
 }
 
 }  // namespace
@@ -24,15 +31,11 @@ PreparedMeshes::Key PreparedMeshes::key_of(const world::TriangleMesh& mesh) {
 }
 
 std::shared_ptr<const Mesh> PreparedMeshes::mesh(const world::TriangleMesh& mesh) {
-  const Key key = key_of(mesh);
-  const std::lock_guard lock(mutex_);
-  return find_or_make(meshes_, key, [&] { return std::make_shared<const Mesh>(mesh); });
+  return find_or_make(mutex_, meshes_, key_of(mesh), [&] { return std::make_shared<const Mesh>(mesh); });
 }
 
 std::shared_ptr<const Solid> PreparedMeshes::hull(const world::TriangleMesh& mesh) {
-  const Key key = key_of(mesh);
-  const std::lock_guard lock(mutex_);
-  return find_or_make(hulls_, key,
+  return find_or_make(mutex_, hulls_, key_of(mesh),
                       [&] { return std::make_shared<const Solid>(make_convex(make_hull(mesh.vertices))); });
 }
 

@@ -181,6 +181,7 @@ bool BodyChange::keeps(const scene::Spawned& model) const {
 
 Outcome prepare(BodyChange& change) {
   if (!change.base) return {};
+  change.meshes->forget_unused();  // of what has gone, and of changes that failed
   scene::Scene changed;
   auto outcome = attempt(Refusal::kWrongState, [&] { changed = *change.base; });
   for (const auto& edit : change.edits)

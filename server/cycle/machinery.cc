@@ -62,7 +62,6 @@ Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* c
   const auto& model = scene.world;
   Machinery made;
   made.collision = std::make_unique<collision::CollisionStage>(model, meshes);
-  meshes.forget_unused();
   made.coupling = std::make_unique<dynamics::Coupling>(model);
   made.senses = std::make_unique<sensing::Senses>(scene, sensors);
   made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());

@@ -56,6 +56,7 @@ Simulation::Simulation(scene::Scene scene, const PartMaker& make, EnginesMade wh
   std::vector<std::unique_ptr<dynamics::Engine>> engines;
   if (which == EnginesMade::kAll || may_make_engines(*scene_)) engines = make_engines(*scene_);
   auto machinery = make_machinery(*scene_, sensors_, *meshes_);
+  meshes_->forget_unused();
   machinery.engines = std::move(engines);
   use(machinery);
   pushes_.reserve(kMaxPushes);

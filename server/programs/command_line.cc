@@ -77,7 +77,7 @@ void declare_cache(CLI::App& app) {
   scene::keep_answers_in(scene::usual_cache_folder());
   app.add_flag_callback(
       "--no-cache", [] { scene::keep_answers_in({}); },
-      "neither use nor keep converted meshes of earlier runs (in $XDG_CACHE_HOME/visum)");
+      "neither use nor keep converted meshes of earlier runs (~/.cache/visum)");
 }
 
 void declare_node_timeout(CLI::App& app, PluginOptions& plugins) {

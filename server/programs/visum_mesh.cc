@@ -15,6 +15,8 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
@@ -49,16 +51,24 @@ bool write_all(int fd, const std::string& bytes) {
 }
 
 // A line for each file of code in this process: whoever keeps the answer has to know whose it is.
+// Nothing where one of them cannot be told.
 std::string code_lines() {
-  std::string lines;
   const auto add = [](dl_phdr_info* object, std::size_t, void* to) {
+    auto& paths = *static_cast<std::vector<std::string>*>(to);
+    std::error_code unknown;
     std::string path = object->dlpi_name;
-    if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe");
+    if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
     // What the kernel adds has no folder.
-    if (path.find('/') != std::string::npos) *static_cast<std::string*>(to) += "code " + path + "\n";
+    if (path.find('/') != std::string::npos || unknown) paths.push_back(path);
     return 0;
   };
-  ::dl_iterate_phdr(add, &lines);
+  std::vector<std::string> paths;
+  ::dl_iterate_phdr(add, &paths);
+  std::string lines;
+  for (const std::string& path : paths) {
+    if (path.empty() || path.find('\n') != std::string::npos) return "";
+    lines += "code " + path + "\n";
+  }
   return lines;
 }
 
@@ -78,10 +88,10 @@ int main(int argc, char** argv) {
   }
   int code = EXIT_SUCCESS;
   try {
-    const auto code = code_lines();
+    const auto whose = code_lines();
     visum::collada::confine();
     const auto answer = visum::collada::to_answer(visum::collada::import_collada(read_all()));
-    if (!write_all(STDOUT_FILENO, code + answer))
+    if (!write_all(STDOUT_FILENO, whose) || !write_all(STDOUT_FILENO, answer))
       throw std::runtime_error(std::string("standard output: cannot be written: ") + std::strerror(errno));
   } catch (const std::exception& error) {
     write_all(STDERR_FILENO, error.what());

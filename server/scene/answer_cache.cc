@@ -12,10 +12,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "server/scene/build_id.h"
+#include "server/scene/mesh_readers.h"
+#include "server/scene/plain_file.h"
 
 namespace visum::scene {
 namespace {
@@ -28,10 +30,13 @@ constexpr std::string_view kMagic = "visum answer 1\n";
 constexpr const char* kExtension = ".answer";
 constexpr const char* kUnfinished = ".new";  // followed by six letters
 constexpr std::size_t kDigestBytes = sizeof(XXH128_canonical_t);
-constexpr std::uintmax_t kMaxEntryBytes = std::uintmax_t{256} << 20;
-constexpr std::int64_t kClockSlackS = 2;      // the times of files come from a coarser clock
-constexpr std::int64_t kUnusedS = 24 * 3600;  // an entry's time is renewed when it is so old
-constexpr std::int64_t kAbandonedS = 3600;    // an unfinished file of this age has lost its writer
+constexpr std::size_t kMaxCode = 64;  // files; visum-mesh has some ten
+constexpr std::size_t kMaxEntryBytes = kMaxMeshBytes + (std::size_t{1} << 20);
+constexpr const char* kLibraries = "/etc/ld.so.cache";        // where the dynamic linker finds libraries
+constexpr std::size_t kMaxLibraries = std::size_t{16} << 20;  // bytes of that
+constexpr std::int64_t kClockSlackS = 2;                      // the times of files come from a coarser clock
+constexpr std::int64_t kUnusedS = 24 * 3600;                  // an entry's time is renewed when it is so old
+constexpr std::int64_t kAbandonedS = 3600;  // an unfinished file of this age has lost its writer
 
 std::string digest_of(std::string_view bytes) {
   XXH128_canonical_t digest;
@@ -74,7 +79,7 @@ std::optional<std::string_view> next_line(std::string_view& text) {
 
 // True if each file of code is still of the build that the lines name. Takes the lines, and the empty one.
 bool is_of_these_builds(std::string_view& entry) {
-  for (int files = 0;; ++files) {
+  for (std::size_t files = 0; files <= kMaxCode; ++files) {
     const auto line = next_line(entry);
     if (!line) return false;
     if (line->empty()) return files > 0;
@@ -83,16 +88,18 @@ bool is_of_these_builds(std::string_view& entry) {
         build_id_of(std::string(line->substr(space + 1))) != line->substr(0, space))
       return false;
   }
+  return false;
 }
 
-// Not by config::read_file(): the entry is no file of the scene.
-std::optional<std::string> read_entry(const fs::path& file) {
-  std::error_code error;
-  const auto size = fs::file_size(file, error);
-  if (error || size < kMagic.size() + kDigestBytes || size > kMaxEntryBytes) return std::nullopt;
-  std::string bytes(size, '\0');
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
+// Without the digest. Not by config::read_file(): the entry is no file of the scene.
+std::optional<std::string> read_entry(const fs::path& path) {
+  const PlainFile file(path);
+  const auto size = static_cast<std::uintmax_t>(file.status().st_size);
+  if (!file.is_open() || file.status().st_uid != ::geteuid() || size < kMagic.size() + kDigestBytes ||
+      size > kMaxEntryBytes)
+    return std::nullopt;
+  std::string bytes = file.read_at(0, size);
+  if (bytes.size() != size) return std::nullopt;
   const auto body = std::string_view(bytes).substr(0, size - kDigestBytes);
   if (!body.starts_with(kMagic) || !bytes.ends_with(digest_of(body))) return std::nullopt;
   bytes.resize(size - kDigestBytes);
@@ -115,6 +122,21 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
+// Throws std::runtime_error where a file has no build id, or may not be the one that ran.
+std::string head_of(const std::vector<fs::path>& code, std::int64_t begun) {
+  if (code.empty() || code.size() > kMaxCode) throw std::runtime_error("its code is not known");
+  std::string head(kMagic);
+  for (const fs::path& file : code) {
+    struct stat status {};
+    const std::string id = build_id_of(file);
+    if (id.empty()) throw std::runtime_error(file.string() + " has no build id");
+    if (::stat(file.c_str(), &status) != 0 || status.st_ctim.tv_sec >= begun - kClockSlackS)
+      throw std::runtime_error(file.string() + " may have been replaced");
+    head += id + " " + file.string() + "\n";
+  }
+  return head + "\n";
+}
+
 AnswerCache& of_process() {
   static AnswerCache cache;
   return cache;
@@ -123,66 +145,84 @@ AnswerCache& of_process() {
 }  // namespace
 
 fs::path usual_cache_folder() {
-  const auto folder_of = [](const char* variable, const char* inside) {
+  const auto absolute = [](const char* variable) {
     const char* value = std::getenv(variable);
-    const fs::path folder = value ? value : "";
-    return folder.is_absolute() ? folder / inside : fs::path();
+    const std::string text = value ? value : "";
+    const fs::path folder = text.substr(0, text.find(':'));  // systemd's may be a list
+    return folder.is_absolute() ? folder.lexically_normal() : fs::path();
   };
-  for (const auto& [variable, inside] :
-       {std::pair{"CACHE_DIRECTORY", ""}, {"XDG_CACHE_HOME", "visum"}, {"HOME", ".cache/visum"}})
-    if (auto folder = folder_of(variable, inside); !folder.empty()) return folder;
+  if (const auto folder = absolute("CACHE_DIRECTORY"); !folder.empty()) return folder;
+  if (const auto folder = absolute("XDG_CACHE_HOME"); !folder.empty()) return folder / "visum";
+  if (const auto folder = absolute("HOME"); !folder.empty()) return folder / ".cache" / "visum";
   return {};
 }
 
 fs::path AnswerCache::entry_of(const fs::path& reader, std::string_view input) const {
-  const std::string asked = reader.string() + '\0' + instruction_sets() + '\0' + digest_of(input);
+  std::error_code error;
+  const fs::path program = fs::canonical(reader, error);
+  const std::string build = error || folder_.empty() ? "" : build_id_of(program);
+  if (build.empty()) return {};
+  const PlainFile libraries(kLibraries);
+  std::string asked;
+  for (const std::string& part :
+       {program.string(), build, instruction_sets(),
+        libraries.is_open() ? digest_of(libraries.read_at(0, kMaxLibraries)) : "", digest_of(input)})
+    asked += part + '\0';
   return folder_ / (hexadecimal_digest_of(asked) + kExtension);
 }
 
-std::optional<std::string> AnswerCache::find(const fs::path& reader, std::string_view input) const {
-  if (folder_.empty()) return std::nullopt;
+std::optional<std::string> AnswerCache::find(const fs::path& reader, std::string_view input) const try {
   const fs::path file = entry_of(reader, input);
+  if (file.empty()) return std::nullopt;
   const auto entry = read_entry(file);
   if (!entry) return std::nullopt;
   std::string_view left = std::string_view(*entry).substr(kMagic.size());
   if (!is_of_these_builds(left)) return std::nullopt;
   renew(file);
   return std::string(left);
+} catch (const std::exception&) {
+  return std::nullopt;  // no memory for it
 }
 
 void AnswerCache::keep(const fs::path& reader, std::string_view input, std::string_view answer,
                        const std::vector<fs::path>& code, std::int64_t begun) const {
-  if (folder_.empty() || code.empty()) return;
-  std::string body(kMagic);
-  for (const fs::path& file : code) {
-    struct stat status {};
-    const std::string id = build_id_of(file);
-    const bool settled = ::stat(file.c_str(), &status) == 0 && status.st_ctim.tv_sec < begun - kClockSlackS;
-    if (id.empty() || !settled || file.string().find('\n') != std::string::npos)
-      return spdlog::debug("{}: no answer is kept, as {} {}", folder_.string(), file.string(),
-                           id.empty() ? "has no build id" : "is too new");
-    body += id + " " + file.string() + "\n";
+  if (folder_.empty()) return;
+  try {
+    const fs::path entry = entry_of(reader, input);
+    if (entry.empty()) throw std::runtime_error(reader.string() + " has no build id");
+    const std::string body = head_of(code, begun) + std::string(answer);
+    if (body.size() + kDigestBytes > kMaxEntryBytes) throw std::runtime_error("it is too large");
+    make_folder();
+    write(entry, body);
+    if (entry.filename().string().starts_with('0') || body.size() > most_bytes_ / 64) make_room();
+  } catch (const std::exception& error) {
+    spdlog::debug("an answer of {} is not kept in {}: {}", reader.string(), folder_.string(), error.what());
   }
-  body += '\n';
-  body += answer;
-  if (body.size() + kDigestBytes > kMaxEntryBytes) return;
-  const fs::path entry = entry_of(reader, input);
-  write(entry, body);
-  if (entry.filename().string().starts_with('0')) make_room();
+}
+
+// Root makes no folder in the home of another user, who could not use it.
+void AnswerCache::make_folder() const {
+  fs::path there = folder_;
+  while (!fs::exists(there)) there = there.parent_path();
+  struct stat status {};
+  if (::stat(there.c_str(), &status) != 0) throw std::runtime_error(std::strerror(errno));
+  const bool ours = status.st_uid == ::geteuid();
+  if (!ours && (there == folder_ || ::geteuid() == 0))
+    throw std::runtime_error(there.string() + " belongs to another user");
+  fs::create_directories(folder_.parent_path());
+  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) throw std::runtime_error(std::strerror(errno));
 }
 
 // The file is complete before it has its name, so that nobody reads a part of it.
 void AnswerCache::write(const fs::path& entry, std::string_view body) const {
-  std::error_code error;
-  fs::create_directories(folder_.parent_path(), error);
-  ::mkdir(folder_.c_str(), 0700);  // it may be there
   std::string unfinished = entry.string() + kUnfinished + "XXXXXX";
   const int fd = ::mkostemp(unfinished.data(), O_CLOEXEC);
-  if (fd < 0) return spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
+  if (fd < 0) throw std::runtime_error(std::strerror(errno));
   const bool whole = write_all(fd, body) && write_all(fd, digest_of(body));
   if (::close(fd) == 0 && whole && ::rename(unfinished.c_str(), entry.c_str()) == 0) return;
-  spdlog::debug("{}: no answer is kept: {}", folder_.string(), std::strerror(errno));
+  const int reason = errno;
   ::unlink(unfinished.c_str());
+  throw std::runtime_error(std::strerror(reason));
 }
 
 void AnswerCache::make_room() const {

@@ -1,7 +1,8 @@
 // Keeps what readers (reader_process.h) made of files, in the user's cache folder, from one run to the next.
-// An answer counts for the bytes that the reader read, for the builds of the reader and of its shared
-// libraries, and for the instruction sets between which the C library's mathematics chooses. Whoever asks
-// has read the file before, so that a scene is noted with the same files either way.
+// An answer counts for the bytes that the reader read, for the builds of the reader and of the shared
+// libraries that it ran with, for what the dynamic linker knows of libraries, and for the instruction sets
+// between which the C library's mathematics chooses. Whoever asks has read the file before, so that a scene
+// is noted with the same files either way.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +14,38 @@
 
 namespace visum::scene {
 
-// $CACHE_DIRECTORY (as systemd sets it), $XDG_CACHE_HOME/visum or $HOME/.cache/visum: the first of these that
-// is set and absolute. Empty: none is.
+// $CACHE_DIRECTORY (as systemd sets it; of a list the first), $XDG_CACHE_HOME/visum or $HOME/.cache/visum:
+// the first of these that is set and absolute. Empty: none is.
 std::filesystem::path usual_cache_folder();
 
 // A folder of entries, one file each. Any number of processes and threads may use it at once. Nothing throws
-// or fails: an entry that is not whole, or not of this build, counts as missing and is written anew, and
-// where nothing can be written nothing is kept, with a line for -v 3.
+// or fails: an entry that is not whole, of another user, or not of these builds counts as missing and is
+// written anew, and where nothing can be written nothing is kept, with a line for -v 3.
 class AnswerCache {
  public:
   static constexpr std::uintmax_t kUsualBytes = std::uintmax_t{1} << 30;
 
-  // An empty folder: nothing is found or kept. Others are made where they are missing, for this user only.
+  // An empty folder: nothing is found or kept. Others are made where they are missing, open to this user
+  // only.
   explicit AnswerCache(std::filesystem::path folder = {}, std::uintmax_t most_bytes = kUsualBytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
   std::optional<std::string> find(const std::filesystem::path& reader, std::string_view input) const;
 
   // Keeps the answer of a reader that ran with these files of code: its own, and its shared libraries. If one
-  // of them has no build id, or may have been replaced since `begun` (seconds, by the system's clock),
-  // nothing is kept.
+  // of them has no build id, or may have been replaced since it ran, nothing is kept. `begun`: when it
+  // started, seconds by the system's clock.
   void keep(const std::filesystem::path& reader, std::string_view input, std::string_view answer,
             const std::vector<std::filesystem::path>& code, std::int64_t begun) const;
 
   // If there is more than most_bytes, removes what was not used for the longest time, down to three quarters
-  // of it. keep() calls it once in sixteen times.
+  // of it. keep() calls it once in sixteen times, and for large answers.
   void make_room() const;
 
  private:
+  // Empty where nothing can be kept.
   std::filesystem::path entry_of(const std::filesystem::path& reader, std::string_view input) const;
+  void make_folder() const;
   void write(const std::filesystem::path& entry, std::string_view body) const;
 
   std::filesystem::path folder_;

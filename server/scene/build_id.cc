@@ -3,33 +3,25 @@
 #include <elf.h>
 #include <link.h>
 
-#include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <optional>
 #include <string_view>
-#include <vector>
+
+#include "server/scene/plain_file.h"
 
 namespace visum::scene {
 namespace {
 
-constexpr std::size_t kMaxNotes = 1u << 16;  // bytes; a program has some hundred
-
-// Returns fewer bytes where the file ends.
-std::string read_at(std::ifstream& file, std::uint64_t offset, std::size_t bytes) {
-  std::string read(bytes, '\0');
-  file.clear();
-  file.seekg(static_cast<std::streamoff>(offset));
-  file.read(read.data(), static_cast<std::streamsize>(bytes));
-  read.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return read;
-}
+constexpr std::size_t kMaxNotes = 1u << 16;  // bytes of a segment; programs have some hundred
+constexpr std::size_t kMaxSegments = 128;    // programs have some ten
+constexpr std::string_view kOwner("GNU\0", 4);
 
 template <typename T>
-bool take(std::string_view& bytes, T& value) {
-  if (bytes.size() < sizeof value) return false;
-  std::memcpy(&value, bytes.data(), sizeof value);
-  bytes.remove_prefix(sizeof value);
-  return true;
+std::optional<T> value_at(std::string_view bytes, std::size_t offset) {
+  if (offset > bytes.size() || bytes.size() - offset < sizeof(T)) return std::nullopt;
+  T value{};
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
 }
 
 std::string hexadecimal(std::string_view bytes) {
@@ -40,37 +32,42 @@ std::string hexadecimal(std::string_view bytes) {
   return digits;
 }
 
-// Each note is a header, a name and a description; both end on a multiple of `alignment` bytes.
+// Each note is a header, its owner's name, and a description that begins at an aligned offset, as does the
+// next note.
 std::string id_among(std::string_view notes, std::size_t alignment) {
-  const auto padded = [&](std::size_t size) { return (size + alignment - 1) / alignment * alignment; };
-  ElfW(Nhdr) note{};
-  while (take(notes, note)) {
-    const std::size_t name = padded(note.n_namesz), whole = name + padded(note.n_descsz);
-    if (whole > notes.size()) break;
-    if (note.n_type == NT_GNU_BUILD_ID && notes.starts_with(std::string_view("GNU\0", 4)))
-      return hexadecimal(notes.substr(name, note.n_descsz));
-    notes.remove_prefix(whole);
+  const auto aligned = [&](std::size_t offset) { return (offset + alignment - 1) / alignment * alignment; };
+  for (std::size_t at = 0;;) {
+    const auto note = value_at<ElfW(Nhdr)>(notes, at);
+    if (!note) return "";
+    const std::string_view rest = notes.substr(at);
+    const std::size_t description = aligned(sizeof *note + note->n_namesz);
+    const std::size_t end = description + note->n_descsz;
+    if (end > rest.size()) return "";
+    if (note->n_type == NT_GNU_BUILD_ID && note->n_namesz == kOwner.size() &&
+        rest.substr(sizeof *note).starts_with(kOwner))
+      return hexadecimal(rest.substr(description, note->n_descsz));
+    at += aligned(end);
+    if (at > notes.size()) return "";
   }
-  return "";
 }
 
 }  // namespace
 
 std::string build_id_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string begin = read_at(file, 0, sizeof(ElfW(Ehdr)));
-  std::string_view left = begin;
-  ElfW(Ehdr) header{};
+  const PlainFile file(path);
+  if (!file.is_open()) return "";
+  const std::string begin = file.read_at(0, sizeof(ElfW(Ehdr)));
+  const auto header = value_at<ElfW(Ehdr)>(begin, 0);
   constexpr unsigned char kWordClass = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
-  if (!take(left, header) || !begin.starts_with(ELFMAG) || header.e_ident[EI_CLASS] != kWordClass ||
-      header.e_phentsize != sizeof(ElfW(Phdr)))
+  if (!header || !begin.starts_with(ELFMAG) || header->e_ident[EI_CLASS] != kWordClass ||
+      header->e_phentsize != sizeof(ElfW(Phdr)) || header->e_phnum > kMaxSegments)
     return "";
-  const std::string table = read_at(file, header.e_phoff, header.e_phnum * sizeof(ElfW(Phdr)));
-  left = table;
-  for (ElfW(Phdr) segment{}; take(left, segment);) {
-    if (segment.p_type != PT_NOTE || segment.p_filesz > kMaxNotes) continue;
-    const std::string notes = read_at(file, segment.p_offset, segment.p_filesz);
-    if (const auto id = id_among(notes, segment.p_align == 8 ? 8 : 4); !id.empty()) return id;
+  const std::string table = file.read_at(header->e_phoff, header->e_phnum * sizeof(ElfW(Phdr)));
+  for (std::size_t i = 0; i < header->e_phnum; ++i) {
+    const auto segment = value_at<ElfW(Phdr)>(table, i * sizeof(ElfW(Phdr)));
+    if (!segment || segment->p_type != PT_NOTE || segment->p_filesz > kMaxNotes) continue;
+    const std::string notes = file.read_at(segment->p_offset, segment->p_filesz);
+    if (const auto id = id_among(notes, segment->p_align == 8 ? 8 : 4); !id.empty()) return id;
   }
   return "";
 }

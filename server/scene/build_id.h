@@ -1,5 +1,5 @@
-// The build id of a program or a shared library: a number that its linker makes of its whole content (the
-// note NT_GNU_BUILD_ID of ELF). Two files with one build id hold the same code.
+// The build id of a program or a shared library: a number that its linker makes of its content (the note
+// NT_GNU_BUILD_ID of ELF). Files that linkers made differ where their build ids do, and are equal otherwise.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,7 @@
 #include "server/scene/collada_reader.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -65,6 +67,12 @@ fs::path program_beside_this() {
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
 }
 
+// Those on which this process may run.
+std::size_t processors() {
+  cpu_set_t set;
+  return ::sched_getaffinity(0, sizeof set, &set) == 0 ? static_cast<std::size_t>(CPU_COUNT(&set)) : 1;
+}
+
 ColladaMesh convert(const fs::path& file, const config::FileContent& content, const ColladaProcess& process) {
   if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
   const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
@@ -117,22 +125,29 @@ ColladaMesh read_collada(const fs::path& file, const ColladaProcess& process) {
 std::vector<ColladaResult> read_all_collada(std::span<const fs::path> files, const ColladaProcess& process) {
   std::vector<config::FileContent> contents;
   for (const fs::path& file : files) contents.push_back(config::read_file(file, kMaxMeshBytes));
+  const std::size_t readers = std::min({files.size(), processors(), kMostReaders});
+  ColladaProcess shared = process;
+  shared.deadline *= static_cast<int>(std::max<std::size_t>(readers, 1));  // they may have one processor
   std::vector<ColladaResult> results(files.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     for (std::size_t i = next++; i < files.size(); i = next++) {
       try {
-        results[i].mesh = convert(files[i], contents[i], process);
+        results[i].mesh = convert(files[i], contents[i], shared);
       } catch (...) {
         results[i].fault = std::current_exception();
       }
+      contents[i] = {};
     }
   };
-  const std::size_t readers =
-      std::min({files.size(), std::size_t{std::thread::hardware_concurrency()}, kMostReaders});
   std::vector<std::jthread> threads;
-  while (threads.size() + 1 < readers) threads.emplace_back(work);
+  try {
+    while (threads.size() + 1 < readers) threads.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Fewer do as well.
+  }
   work();
+  threads.clear();
   return results;
 }
 

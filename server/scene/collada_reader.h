@@ -41,15 +41,15 @@ bool is_collada(const std::filesystem::path& file);
 // opened".
 ColladaMesh read_collada(const std::filesystem::path& file, const ColladaProcess& process = {});
 
-// Reads several files as read_collada() does, on as many processes at once as there are processors, up to
-// kMostReaders.
+// Reads several files as read_collada() does, by as many processes at once as this one has processors, up to
+// kMostReaders. Each then has so many times the time limit.
 struct ColladaResult {
   ColladaMesh mesh;
   std::exception_ptr fault;  // what read_collada() would have thrown; null: nothing
 };
 std::vector<ColladaResult> read_all_collada(std::span<const std::filesystem::path> files,
                                             const ColladaProcess& process = {});
-inline constexpr std::size_t kMostReaders = 16;
+inline constexpr std::size_t kMostReaders = 4;
 
 // Reads the answer of visum-mesh, whose form collada/import.h describes. `file` names the place in errors.
 // Throws as read_collada() does.

@@ -55,26 +55,41 @@ class SdfReader {
       : model_(model), xml_(xml), shapes_(model, packages), file_(model.file.string()) {}
 
   void read(const XMLElement& top) {
+    SdfFrames frames(top, file_);
     std::vector<MeshAddress> meshes;
     find_meshes(top, "", meshes);
     shapes_.convert_ahead(meshes);
-    SdfFrames frames(top, file_);
     read_model(top, frames, "", {}, false);
     throw_all(std::move(errors_));
     sort_as_in_file();
   }
 
  private:
+  static constexpr std::array<const char*, 2> kShapes{"collision", "visual"};
+  static const XMLElement& form_of(const XMLElement& shape) {
+    return *shape.FirstChildElement("geometry")->FirstChildElement();
+  }
+  // Null for a visual, and for a collision that says nothing of it.
+  const ModelSurface* surface_of(const XMLElement& shape, const std::string& link) const {
+    if (std::strcmp(shape.Name(), "collision")) return nullptr;
+    const auto known = xml_.surfaces.find({link, name_of(shape)});
+    return known == xml_.surfaces.end() ? nullptr : &known->second;
+  }
+
   // Those of a model and of the models in it. `prefix`: of its links' names.
   void find_meshes(const XMLElement& model, const std::string& prefix,
                    std::vector<MeshAddress>& found) const {
-    for (auto link = model.FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-      for (auto shape = link->FirstChildElement(); shape; shape = shape->NextSiblingElement()) {
-        const XMLElement* geometry = shape->FirstChildElement("geometry");
-        const XMLElement* mesh = geometry ? geometry->FirstChildElement("mesh") : nullptr;
-        if (mesh)
-          found.push_back({text_of(mesh->FirstChildElement("uri")), file_of(prefix + name_of(*link))});
-      }
+    for (auto link = model.FirstChildElement("link"); link; link = link->NextSiblingElement("link")) {
+      const std::string name = prefix + name_of(*link);
+      for (const char* tag : kShapes)
+        for (auto shape = link->FirstChildElement(tag); shape; shape = shape->NextSiblingElement(tag)) {
+          const ModelSurface* surface = surface_of(*shape, name);
+          const XMLElement& form = form_of(*shape);
+          const bool is_mesh = !std::strcmp(form.Name(), "mesh") && not_simulated(form).empty();
+          if (is_mesh && (!surface || surface->collides))
+            found.push_back({text_of(form.FirstChildElement("uri")), file_of(name)});
+        }
+    }
     for (auto inner = model.FirstChildElement("model"); inner; inner = inner->NextSiblingElement("model"))
       find_meshes(*inner, prefix + name_of(*inner) + "::", found);
   }
@@ -127,7 +142,7 @@ class SdfReader {
     link.on_ground = is_static;
     if (xml_.massless.count(link.name) == 0) link.mass = read_mass(from);
     if (xml_.without_inertia.count(link.name) != 0) link.mass.inertia_C.setZero();
-    for (const char* tag : {"collision", "visual"})
+    for (const char* tag : kShapes)
       for (auto shape = from.FirstChildElement(tag); shape; shape = shape->NextSiblingElement(tag))
         keep_error(errors_, [&] { read_shape(*shape, frames, own, X_ML, link); });
     match_visuals(link);
@@ -155,10 +170,9 @@ class SdfReader {
     shape.name = name_of(element);
     shape.link = link.name;
     shape.collides = !std::strcmp(element.Name(), "collision");
-    if (const auto surface = xml_.surfaces.find({link.name, shape.name});
-        shape.collides && surface != xml_.surfaces.end()) {
-      shape.surface = surface->second;
-      if (!shape.surface.collides) return;
+    if (const ModelSurface* surface = surface_of(element, link.name)) {
+      shape.surface = *surface;
+      if (!surface->collides) return;
     }
     shape.X_LS = X_ML.inverse() * frames.pose_of(element, own_link);
     double opacity = 1.0;
@@ -167,7 +181,7 @@ class SdfReader {
       if (const XMLElement* material = element.FirstChildElement("material"))
         shape.color = color_of(*material);
     }
-    const XMLElement& form = *element.FirstChildElement("geometry")->FirstChildElement();
+    const XMLElement& form = form_of(element);
     if (const std::string fault = not_simulated(form); !fault.empty())
       return shapes_.leave_out(shape, fault, link);
     const std::string fault = read_geometry(form, link, shape);

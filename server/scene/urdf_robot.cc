@@ -73,15 +73,21 @@ class UrdfReader {
   }
 
  private:
+  static constexpr std::array<const char*, 2> kShapes{"collision", "visual"};
+  static const XMLElement* form_of(const XMLElement& shape) {
+    const XMLElement* geometry = shape.FirstChildElement("geometry");
+    return geometry ? geometry->FirstChildElement() : nullptr;
+  }
+
   std::vector<MeshAddress> meshes_of(const std::vector<const XMLElement*>& links) const {
     std::vector<MeshAddress> meshes;
     for (const XMLElement* link : links)
-      for (auto shape = link->FirstChildElement(); shape; shape = shape->NextSiblingElement()) {
-        const XMLElement* geometry = shape->FirstChildElement("geometry");
-        const XMLElement* form = geometry ? geometry->FirstChildElement() : nullptr;
-        if (form && !std::strcmp(form->Name(), "mesh"))
-          meshes.push_back({text_or(*form, "filename", ""), model_.file.string()});
-      }
+      for (const char* tag : kShapes)
+        for (auto shape = link->FirstChildElement(tag); shape; shape = shape->NextSiblingElement(tag)) {
+          const XMLElement* form = form_of(*shape);
+          if (form && !std::strcmp(form->Name(), "mesh"))
+            meshes.push_back({text_or(*form, "filename", ""), model_.file.string()});
+        }
     return meshes;
   }
 
@@ -115,7 +121,7 @@ class UrdfReader {
     link.name = text_or(element, "name", "");
     link.line = element.GetLineNum();
     if (const XMLElement* inertial = element.FirstChildElement("inertial")) link.mass = read_mass(*inertial);
-    for (const char* tag : {"collision", "visual"}) {
+    for (const char* tag : kShapes) {
       int count = 0;
       for (auto shape = element.FirstChildElement(tag); shape; shape = shape->NextSiblingElement(tag))
         keep_error(errors_, [&] { read_shape(*shape, count++, link); });
@@ -135,8 +141,7 @@ class UrdfReader {
     shape.X_LS = origin_of(element);
     if (const auto material = element.FirstChildElement("material"); material && !shape.collides)
       shape.color = take_color(*material);
-    const XMLElement* geometry = element.FirstChildElement("geometry");
-    const XMLElement* form = geometry ? geometry->FirstChildElement() : nullptr;
+    const XMLElement* form = form_of(element);
     if (form == nullptr) return shapes_.leave_out(shape, "has no form in its <geometry>", link);
     if (std::ranges::find(kForms, std::string_view(form->Name())) == kForms.end())
       return shapes_.leave_out(shape,

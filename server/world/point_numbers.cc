@@ -1,20 +1,20 @@
 #include "server/world/point_numbers.h"
 
-#include <bit>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <array>
 
 namespace visum::world {
 namespace {
 
 constexpr std::size_t kLeastSlots = 64;  // a power of two, as all sizes of the table
-
-std::size_t hash_of(const Eigen::Vector3d& point) {
-  std::uint64_t hash = 0;
-  for (const double x : point)
-    hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15u;  // -0 becomes 0
-  return static_cast<std::size_t>(hash ^ (hash >> 32));
-}
-
 }  // namespace
+
+std::uint64_t hash_of(const Eigen::Vector3d& point) {
+  const std::array<double, 3> bits{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};  // -0 becomes 0
+  return XXH3_64bits(bits.data(), sizeof bits);
+}
 
 // The slot that holds the point, or a free one.
 std::size_t PointNumbers::slot_of(const Eigen::Vector3d& point) const {

@@ -9,6 +9,9 @@
 
 namespace visum::world {
 
+// Equal points have one hash. All of its bits are spread, also where the coordinates are round numbers.
+std::uint64_t hash_of(const Eigen::Vector3d& point);
+
 // A plain value. Coordinates must not be NaN; -0 equals 0.
 class PointNumbers {
  public:

@@ -135,23 +135,24 @@ std::string collada_ball(double radius) {
       for (const int corner : {i, i + kSides, j + kSides, i, j + kSides, j})
         corners += std::to_string(corner) + " ";
     }
-  const std::string vertices = std::to_string((kRings + 1) * kSides);
-  return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
-         "version=\"1.4.1\"><asset><unit meter=\"1\"/></asset><library_geometries><geometry id=\"g\"><mesh>"
-         "<source id=\"s\"><float_array id=\"a\" count=\"" +
-         std::to_string(3 * (kRings + 1) * kSides) + "\">" + points +
-         "</float_array><technique_common><accessor source=\"#a\" count=\"" + vertices +
-         "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
-         "type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input "
-         "semantic=\"POSITION\" source=\"#s\"/></vertices><triangles count=\"" +
-         std::to_string(2 * kRings * kSides) +
-         "\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" + corners +
-         "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
-         "id=\"x\"><node><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
-         "<scene><instance_visual_scene url=\"#x\"/></scene></COLLADA>";
+  const int vertices = (kRings + 1) * kSides;
+  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
+         "<asset><unit meter='1'/></asset><library_geometries><geometry id='g'><mesh><source id='s'>"
+         "<float_array id='a' count='" +
+         std::to_string(3 * vertices) + "'>" + points +
+         "</float_array><technique_common><accessor source='#a' count='" + std::to_string(vertices) +
+         "' stride='3'><param name='X' type='float'/><param name='Y' type='float'/>"
+         "<param name='Z' type='float'/></accessor></technique_common></source><vertices id='v'>"
+         "<input semantic='POSITION' source='#s'/></vertices><triangles count='" +
+         std::to_string(2 * kRings * kSides) + "'><input semantic='VERTEX' source='#v' offset='0'/><p>" +
+         corners +
+         "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='x'>"
+         "<node><instance_geometry url='#g'/></node></visual_scene></library_visual_scenes>"
+         "<scene><instance_visual_scene url='#x'/></scene></COLLADA>";
 }
 
-// A robot of 24 links, each with a Collada file that is seen and collides. `kept`: a first run converted them.
+// A robot of 24 links, each with a Collada file that is seen and collides. `kept`: a first run converted
+// them.
 void load_robot(benchmark::State& state, bool kept) {
   const test::TempFiles files;
   std::string robot = "<robot name='r'>";
@@ -160,23 +161,28 @@ void load_robot(benchmark::State& state, bool kept) {
     files.write(number + ".dae", collada_ball(0.1 + 0.001 * i));
     const std::string mesh = "<geometry><mesh filename='" + number + ".dae'/></geometry>";
     robot += "<link name='l" + number + "'><inertial><mass value='1'/><inertia ixx='0.01' iyy='0.01' " +
-             "izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial><visual>" + mesh + "</visual><collision>" + mesh +
-             "</collision></link>";
+             "izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial><visual>" + mesh + "</visual><collision>" +
+             mesh + "</collision></link>";
     if (i > 0)
       robot += "<joint name='j" + number + "' type='continuous'><parent link='l" + std::to_string(i - 1) +
                "'/><child link='l" + number + "'/><origin xyz='0 0 0.5'/><axis xyz='1 0 0'/></joint>";
   }
   const auto file = files.write("r.urdf", robot + "</robot>");
-  scene::keep_answers_in(kept ? files.folder() / "cache" : std::filesystem::path());
-  if (kept) {
-    scene::load_scene(file);
-    if (std::filesystem::is_empty(files.folder() / "cache")) state.SkipWithError("nothing was kept");
-  }
+  const auto cache = files.folder() / "cache";
+  scene::keep_answers_in(kept ? cache : std::filesystem::path());
+  scene::load_scene(file);
+  if (kept && !std::filesystem::exists(cache)) state.SkipWithError("nothing was kept");
   for (auto _ : state) cycle::Simulation simulation(scene::load_scene(file));
   scene::keep_answers_in({});
 }
-BENCHMARK_CAPTURE(load_robot, first, false)->Name("SceneLoad/robot/first")->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(load_robot, kept, true)->Name("SceneLoad/robot/kept")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(load_robot, first, false)
+    ->Name("SceneLoad/robot/first")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(load_robot, kept, true)
+    ->Name("SceneLoad/robot/kept")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void load_carts(benchmark::State& state) {
   const test::TempFiles files;

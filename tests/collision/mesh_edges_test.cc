@@ -1,10 +1,13 @@
 // Balls on the ridges, tips and corners of meshes. There the nearest point lies on no face, whichever way the
 // surface bends and however its faces are cut into triangles.
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
+#include "server/collision/mesh.h"
 #include "tests/collision/scene.h"
 
 namespace visum::collision::testing {
@@ -99,6 +102,36 @@ TEST(MeshCorner, BetweenFlatTrianglesPushesNobodyAside) {
     const Eigen::Vector3d under(2e-4 * i * std::cos(0.7 * i), 2e-4 * i * std::sin(0.7 * i), 0);
     expect_pushed_out(floor, under, Eigen::Vector3d::UnitZ());
   }
+}
+
+// Triangles, normals, neighbours and the order in which they are visited decide a contact's bits. They are
+// those of the first version of the tree, so recordings of scenes with meshes replay.
+TEST(MeshTree, KeepsItsBits) {
+  XXH3_state_t* const state = XXH3_createState();
+  XXH3_64bits_reset(state);
+  std::mt19937 random(1);
+  for (int k = 0; k < 60; ++k) {
+    const auto coordinate = [&] {
+      const double step = k % 3 == 0 ? 1e-3 : 0.25;
+      return (static_cast<int>(random() % (k % 3 == 0 ? 10'001 : 9)) - (k % 3 == 0 ? 5000 : 4)) * step;
+    };
+    world::TriangleMesh source;
+    const unsigned vertices = 3 + random() % 200, triangles = random() % 600;
+    for (unsigned i = 0; i < vertices; ++i) {
+      const double x = coordinate(), y = coordinate(), z = coordinate();
+      source.vertices.emplace_back(x, y, z);
+    }
+    for (unsigned i = 0; i < triangles; ++i) {
+      const std::uint32_t a = random() % vertices, b = random() % vertices, c = random() % vertices;
+      source.triangles.push_back({a, b, c});
+    }
+    const Mesh mesh(source);
+    XXH3_64bits_update(state, mesh.triangles().data(), mesh.triangles().size() * sizeof(MeshTriangle));
+    mesh.visit([](const Eigen::AlignedBox3d& box) { return box.min().x() < 0.01; },
+               [&](std::uint32_t i) { XXH3_64bits_update(state, &i, sizeof i); });
+  }
+  EXPECT_EQ(XXH3_64bits_digest(state), 4128761035673946262u);
+  XXH3_freeState(state);
 }
 
 }  // namespace

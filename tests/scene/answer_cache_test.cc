@@ -1,10 +1,15 @@
 // Answers that are kept: found again, and never where they may be another's.
 #include "server/scene/answer_cache.h"
 
+#include <elf.h>
 #include <gtest/gtest.h>
+#include <link.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <cstring>
 #include <ctime>
+#include <map>
 #include <thread>
 
 #include "server/scene/build_id.h"
@@ -22,7 +27,7 @@ class Answers : public testing::Test {
  protected:
   // As if the code had been there for long.
   void keep(const AnswerCache& cache, const std::string& input, const std::string& answer) const {
-    cache.keep("reader", input, answer, {code_}, std::time(nullptr) + 60);
+    cache.keep(reader_, input, answer, {code_}, std::time(nullptr) + 60);
   }
   fs::path only_entry() const {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
@@ -34,20 +39,21 @@ class Answers : public testing::Test {
     fs::copy_file(kBin / "visum-mesh", files_.folder() / "code");
     return files_.folder() / "code";
   }();
+  const fs::path reader_ = kBin / "visum-mesh";
   const AnswerCache cache_{folder_};
 };
 
 TEST_F(Answers, AreFoundAgain) {
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt);
   const std::string answer("two\nlines\0and more\n\n", 20);
   keep(cache_, "input", answer);
   keep(cache_, "other input", "");
-  EXPECT_EQ(cache_.find("reader", "input"), answer);
-  EXPECT_EQ(AnswerCache(folder_).find("reader", "other input"), "") << "by another process, too";
-  EXPECT_EQ(cache_.find("reader", "inpu"), std::nullopt);
-  EXPECT_EQ(cache_.find("other reader", "input"), std::nullopt);
+  EXPECT_EQ(cache_.find(reader_, "input"), answer);
+  EXPECT_EQ(AnswerCache(folder_).find(reader_, "other input"), "") << "by another process, too";
+  EXPECT_EQ(cache_.find(reader_, "inpu"), std::nullopt);
+  EXPECT_EQ(cache_.find(kBin / "visum", "input"), std::nullopt);
   keep(cache_, "input", "new");
-  EXPECT_EQ(cache_.find("reader", "input"), "new");
+  EXPECT_EQ(cache_.find(reader_, "input"), "new");
 }
 
 TEST_F(Answers, AreForThisUserOnly) {
@@ -62,21 +68,64 @@ TEST_F(Answers, AreForThisUserOnly) {
 TEST_F(Answers, OfAnotherBuildAreNone) {
   keep(cache_, "input", "answer");
   fs::remove(code_);
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt);
   fs::copy_file(kBin / "visum", code_);
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt);
   keep(cache_, "input", "another answer");
-  EXPECT_EQ(cache_.find("reader", "input"), "another answer");
+  EXPECT_EQ(cache_.find(reader_, "input"), "another answer");
+}
+
+TEST_F(Answers, OfAReaderThatWasReplacedAreNone) {
+  const fs::path link = files_.folder() / "reader";
+  const auto answer = [&] { return cache_.find(link, "input"); };
+  cache_.keep(link, "input", "answer", {code_}, std::time(nullptr) + 60);
+  EXPECT_EQ(answer(), std::nullopt) << "there is none";
+  fs::create_symlink(kBin / "visum-mesh", link);
+  cache_.keep(link, "input", "answer", {code_}, std::time(nullptr) + 60);
+  EXPECT_EQ(answer(), "answer");
+  fs::remove(link);
+  fs::create_symlink(kBin / "visum", link);
+  EXPECT_EQ(answer(), std::nullopt) << "the old one is still there";
+  fs::remove(link);
+  fs::copy_file(kBin / "visum", link);
+  cache_.keep(link, "input", "its answer", {code_}, std::time(nullptr) + 60);
+  EXPECT_EQ(answer(), "its answer");
+  fs::remove(link);
+  files_.write("reader", "#!/bin/sh\n");
+  cache_.keep(link, "input", "a script's", {code_}, std::time(nullptr) + 60);
+  EXPECT_EQ(answer(), std::nullopt) << "a script has no build id";
+}
+
+TEST_F(Answers, OfAnotherUserAreNone) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  keep(cache_, "input", "answer");
+  ASSERT_EQ(::chown(only_entry().c_str(), 65534, 65534), 0);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt);
+  fs::remove_all(folder_);
+  ASSERT_EQ(::chown(folder_.parent_path().c_str(), 65534, 65534), 0);
+  keep(cache_, "input", "answer");
+  EXPECT_FALSE(fs::exists(folder_)) << "root makes no folder in another user's home";
+}
+
+TEST_F(Answers, WhoseEntryIsNoPlainFileAreNone) {
+  keep(cache_, "input", "answer");
+  const fs::path entry = only_entry();
+  fs::remove(entry);
+  ASSERT_EQ(::mkfifo(entry.c_str(), 0600), 0);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "and nobody waits";
+  fs::remove(entry);
+  fs::create_directory(entry);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt);
 }
 
 TEST_F(Answers, OfCodeThatMayHaveChangedMeanwhileAreNotKept) {
-  cache_.keep("reader", "input", "answer", {code_}, std::time(nullptr));
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt) << "the code was copied a moment ago";
-  cache_.keep("reader", "input", "answer", {}, std::time(nullptr) + 60);
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt) << "of unknown code";
-  cache_.keep("reader", "input", "answer", {code_, files_.write("script", "#!/bin/sh\n")},
+  cache_.keep(reader_, "input", "answer", {code_}, std::time(nullptr));
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "the code was copied a moment ago";
+  cache_.keep(reader_, "input", "answer", {}, std::time(nullptr) + 60);
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "of unknown code";
+  cache_.keep(reader_, "input", "answer", {code_, files_.write("script", "#!/bin/sh\n")},
               std::time(nullptr) + 60);
-  EXPECT_EQ(cache_.find("reader", "input"), std::nullopt) << "a script has no build id";
+  EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "a script has no build id";
   EXPECT_FALSE(fs::exists(folder_));
 }
 
@@ -88,12 +137,12 @@ TEST_F(Answers, ThatAreNotWholeAreNone) {
     std::string bad = good;
     bad[at] ^= 1;
     files_.write(fs::relative(entry, files_.folder()), bad);
-    EXPECT_EQ(cache_.find("reader", "input"), std::nullopt) << "byte " << at;
+    EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "byte " << at;
     files_.write(fs::relative(entry, files_.folder()), good.substr(0, at));
-    EXPECT_EQ(cache_.find("reader", "input"), std::nullopt) << "the first " << at << " bytes";
+    EXPECT_EQ(cache_.find(reader_, "input"), std::nullopt) << "the first " << at << " bytes";
   }
   keep(cache_, "input", "answer");
-  EXPECT_EQ(cache_.find("reader", "input"), "answer");
+  EXPECT_EQ(cache_.find(reader_, "input"), "answer");
 }
 
 TEST_F(Answers, AreKeptByManyAtOnce) {
@@ -105,11 +154,11 @@ TEST_F(Answers, AreKeptByManyAtOnce) {
         for (int k = 0; k < 50; ++k) {
           keep(cache_, "all", answer);
           keep(cache_, std::to_string(k * 4 + i), answer);
-          EXPECT_EQ(cache_.find("reader", "all"), answer);
+          EXPECT_EQ(cache_.find(reader_, "all"), answer);
         }
       });
   }
-  for (int k = 0; k < 200; ++k) EXPECT_EQ(cache_.find("reader", std::to_string(k)), answer);
+  for (int k = 0; k < 200; ++k) EXPECT_EQ(cache_.find(reader_, std::to_string(k)), answer);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 201)
       << "no unfinished file is left";
 }
@@ -119,7 +168,7 @@ TEST_F(Answers, ThatCannotBeKeptDoNoHarm) {
   for (const fs::path& folder : {fs::path(), files_.folder() / "file/in", fs::path("/proc/none")}) {
     const AnswerCache cache(folder);
     keep(cache, "input", "answer");
-    EXPECT_EQ(cache.find("reader", "input"), std::nullopt) << folder;
+    EXPECT_EQ(cache.find(reader_, "input"), std::nullopt) << folder;
   }
 }
 
@@ -157,39 +206,94 @@ TEST_F(Answers, ThatAreUsedStay) {
   const fs::path entry = only_entry();
   const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(48);
   fs::last_write_time(entry, long_ago);
-  EXPECT_EQ(cache_.find("reader", "input"), "answer");
+  EXPECT_EQ(cache_.find(reader_, "input"), "answer");
   EXPECT_GT(fs::last_write_time(entry), long_ago + std::chrono::hours(47));
 }
 
 TEST(CacheFolder, IsTheFirstThatTheEnvironmentNames) {
-  const auto with = [](const char* systemd, const char* xdg, const char* home) {
-    for (const auto& [name, value] :
-         {std::pair{"CACHE_DIRECTORY", systemd}, {"XDG_CACHE_HOME", xdg}, {"HOME", home}})
-      value ? ::setenv(name, value, 1) : ::unsetenv(name);
-    return usual_cache_folder().lexically_normal();
+  std::map<std::string, std::optional<std::string>> before;
+  for (const char* name : {"CACHE_DIRECTORY", "XDG_CACHE_HOME", "HOME"})
+    before[name] = std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt;
+  const auto set = [](const std::string& name, const std::optional<std::string>& value) {
+    value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
   };
-  const char* home = std::getenv("HOME");
-  const std::string before = home ? home : "";
-  EXPECT_EQ(with("/var/cache/visum", "/x", "/h"), "/var/cache/visum/");
-  EXPECT_EQ(with(nullptr, "/x", "/h"), "/x/visum");
+  using Value = std::optional<std::string>;
+  const auto with = [&](const Value& systemd, const Value& xdg, const Value& home) {
+    set("CACHE_DIRECTORY", systemd);
+    set("XDG_CACHE_HOME", xdg);
+    set("HOME", home);
+    return usual_cache_folder();
+  };
+  EXPECT_EQ(with("/var/cache/visum", "/x", "/h"), "/var/cache/visum");
+  EXPECT_EQ(with("/var/cache/a:/var/cache/b", "/x", "/h"), "/var/cache/a");
+  EXPECT_EQ(with({}, "/x", "/h"), "/x/visum");
   EXPECT_EQ(with("", "x", "/h"), "/h/.cache/visum") << "relative folders do not count";
-  EXPECT_EQ(with(nullptr, nullptr, nullptr), "");
-  ::setenv("HOME", before.c_str(), 1);
+  EXPECT_EQ(with({}, {}, {}), "");
+  for (const auto& [name, value] : before) set(name, value);
+}
+
+// An ELF file with one segment of notes.
+std::string elf(const std::string& notes, std::uint64_t alignment) {
+  ElfW(Ehdr) header{};
+  std::memcpy(header.e_ident, ELFMAG, SELFMAG);
+  header.e_ident[EI_CLASS] = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
+  header.e_phoff = sizeof header;
+  header.e_phentsize = sizeof(ElfW(Phdr));
+  header.e_phnum = 1;
+  ElfW(Phdr) segment{};
+  segment.p_type = PT_NOTE;
+  segment.p_offset = sizeof header + sizeof segment;
+  segment.p_filesz = notes.size();
+  segment.p_align = alignment;
+  std::string file(reinterpret_cast<const char*>(&header), sizeof header);
+  file.append(reinterpret_cast<const char*>(&segment), sizeof segment);
+  return file + notes;
+}
+
+std::string note(const std::string& name, std::uint32_t type, const std::string& description,
+                 std::size_t alignment) {
+  const ElfW(Nhdr)
+      header{static_cast<std::uint32_t>(name.size()), static_cast<std::uint32_t>(description.size()), type};
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  for (const std::string& part : {name, description}) {
+    bytes += part;
+    bytes.resize((bytes.size() + alignment - 1) / alignment * alignment);
+  }
+  return bytes;
+}
+
+TEST(BuildId, IsFoundAmongOtherNotes) {
+  const TempFiles files;
+  const std::string gnu("GNU\0", 4), id = "\x01\xab";
+  for (const std::size_t alignment : {4u, 8u}) {
+    const std::string own = note(gnu, NT_GNU_BUILD_ID, id, alignment);
+    const auto id_of = [&](const std::string& notes) {
+      return build_id_of(files.write("a", elf(notes, alignment)));
+    };
+    EXPECT_EQ(id_of(own), "01ab");
+    EXPECT_EQ(id_of(note(gnu, NT_GNU_ABI_TAG, "sixteen bytes...", alignment) + own + own), "01ab");
+    EXPECT_EQ(id_of(note("odd name", NT_GNU_BUILD_ID, "12345", alignment) + own), "01ab");
+    EXPECT_EQ(id_of(note("GNU", NT_GNU_BUILD_ID, id, alignment)), "") << "another owner";
+    EXPECT_EQ(id_of(note(gnu, NT_GNU_BUILD_ID, "", alignment)), "");
+    EXPECT_EQ(id_of(own.substr(0, own.size() - alignment)), "") << "the description is cut off";
+    std::string endless = own;
+    endless[4] = endless[5] = endless[6] = endless[7] = '\xff';
+    EXPECT_EQ(id_of(endless), "");
+  }
 }
 
 TEST(BuildId, OfAFileThatHasNoneIsEmpty) {
   const TempFiles files;
-  EXPECT_EQ(build_id_of(kBin / "visum-mesh").size(), 40u) << "SHA-1";
+  EXPECT_FALSE(build_id_of(kBin / "visum-mesh").empty());
   EXPECT_NE(build_id_of(kBin / "visum-mesh"), build_id_of(kBin / "visum"));
   EXPECT_EQ(build_id_of("/nowhere"), "");
+  EXPECT_EQ(build_id_of("/dev/zero"), "");
   EXPECT_EQ(build_id_of(files.folder()), "");
   EXPECT_EQ(build_id_of(files.write("empty", "")), "");
   EXPECT_EQ(build_id_of(files.write("text", std::string(1000, 'x'))), "");
-  std::ifstream program(kBin / "visum-mesh", std::ios::binary);
-  std::string begin(4096, '\0');
-  program.read(begin.data(), 4096);
-  for (std::size_t bytes = 0; bytes < 4096; bytes += 7)
-    build_id_of(files.write("cut", begin.substr(0, bytes)));  // ends
+  const std::string good = elf(note(std::string("GNU\0", 4), NT_GNU_BUILD_ID, "1234", 4), 4);
+  for (std::size_t bytes = 0; bytes < good.size(); ++bytes)
+    EXPECT_EQ(build_id_of(files.write("cut", good.substr(0, bytes))), "") << bytes;
 }
 
 }  // namespace

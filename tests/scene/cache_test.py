@@ -1,4 +1,5 @@
-"""Runs the real programs with and without kept meshes: the same bits, the same recorded files, and no second conversion."""
+"""Runs the real programs with and without kept meshes: the same bits, the same recorded files, and no second
+conversion."""
 import json
 import os
 import pathlib
@@ -6,20 +7,22 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("VISUM_BIN", SOURCE / "build" / "dev" / "bin"))
 BADGE = (SOURCE / "tests" / "scene" / "data" / "meshes" / "badge.dae").read_text()
-PYRAMID = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit meter="1"/></asset><library_geometries><geometry id="g"><mesh><source id="s">
+PYRAMID = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
+version="1.4.1"><asset><unit meter="1"/></asset><library_geometries><geometry id="g"><mesh><source id="s">
 <float_array id="a" count="12">0 0 0 0.2 0 0 0 0.2 0 0 0 0.2</float_array><technique_common>
 <accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
 <param name="Z" type="float"/></accessor></technique_common></source><vertices id="v">
-<input semantic="POSITION" source="#s"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/>
-<p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>
-<visual_scene id="x"><node><rotate>0.3 0.4 1 33</rotate><instance_geometry url="#g"/></node></visual_scene>
-</library_visual_scenes><scene><instance_visual_scene url="#x"/></scene></COLLADA>"""
+<input semantic="POSITION" source="#s"/></vertices><triangles count="4">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles></mesh>
+</geometry></library_geometries><library_visual_scenes><visual_scene id="x"><node>
+<rotate>0.3 0.4 1 33</rotate><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#x"/></scene></COLLADA>"""
 ROBOT = """<robot name="robot"><link name="body"><inertial><mass value="1"/>
 <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><geometry><mesh filename="badge.dae"/></geometry></visual>
@@ -62,6 +65,7 @@ class Cache(unittest.TestCase):
         return sorted((self.cache / "visum").glob("*.answer"))
 
     def test_kept_meshes_give_the_same_run_and_recording(self):
+        self.wait_until_trusted(BIN / "visum-mesh")
         first = self.run_scenario("--no-cache", "--record", "a.mcap")
         self.assertFalse(self.cache.exists())
         self.assertEqual(self.run_scenario("--record", "b.mcap"), first)
@@ -79,19 +83,31 @@ class Cache(unittest.TestCase):
         self.assertNotEqual(self.run_scenario(), first)
 
     def test_a_file_is_converted_once(self):
-        programs, runs = self.folder / "bin", self.folder / "runs"
+        programs = self.folder / "bin"
         programs.mkdir()
-        shutil.copy(BIN / "visumd", programs)
+        for name in ("visumd", "visum-mesh"):
+            shutil.copy(BIN / name, programs)
         reader = programs / "visum-mesh"
-        reader.write_text(f"#!/bin/sh\necho >>{runs}\nexec {BIN}/visum-mesh\n")
-        reader.chmod(0o755)
-        for expected, words, environment in ((2, (), {}), (2, (), {}), (4, ("--no-cache",), {}),
-                                             (6, (), {"XDG_CACHE_HOME": ""}), (6, (), {})):
-            done = self.do("visumd", "check", "scene.yaml", *words, bin=programs, **environment)
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual(len(runs.read_text()), expected)
+        self.wait_until_trusted(reader)
+
+        def losses(*words, **environment):
+            done = self.do("visumd", "check", "scene.yaml", "--json", *words, bin=programs, **environment)
+            return done.returncode, json.loads(done.stdout).get("losses", [])
+        first = losses()
+        self.assertEqual(first[0], 0)
+        self.assertIn("without the textures", first[1][0])
+        os.truncate(reader, 8192)  # its build id is left, but it runs no more
+        self.assertEqual(losses(), first)
+        self.assertEqual(losses("--no-cache")[0], 3, "a collision needs its mesh")
+        self.assertEqual(losses(XDG_CACHE_HOME="")[0], 3)
+        self.assertEqual(losses(), first)
+
+    @staticmethod
+    def wait_until_trusted(code):
+        time.sleep(max(0.0, code.stat().st_ctime + 4 - time.time()))
 
     def test_an_entry_names_the_code_that_made_it(self):
+        self.wait_until_trusted(BIN / "visum-mesh")
         self.run_scenario()
         lines = self.entries()[0].read_bytes().split(b"\n\n")[0].decode().splitlines()
         self.assertEqual(lines[0], "visum answer 1")

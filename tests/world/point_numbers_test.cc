@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <random>
+#include <set>
 #include <tuple>
 
 namespace visum::world {
@@ -24,6 +26,25 @@ TEST(PointNumbers, AreThoseOfAMap) {
       ASSERT_EQ(numbers.number(point), entry->second);
     }
     EXPECT_EQ(numbers.take_points(), points);
+  }
+}
+
+// Each of these took hundreds of steps where the hash spread such coordinates badly.
+TEST(PointNumbers, SpreadRoundCoordinatesAsWellAsOthers) {
+  const auto slots_of = [](auto coordinate) {
+    constexpr std::size_t kSlots = 1 << 15;
+    std::set<std::size_t> slots;
+    for (int i = 0; i < 128; ++i)
+      for (int k = 0; k < 128; ++k) slots.insert(hash_of({coordinate(i), coordinate(k), 0.0}) & (kSlots - 1));
+    return slots.size();
+  };
+  constexpr std::size_t kExpected = 12'893;  // 2^15 (1 - e^-0.5), where 2^14 points fall at random
+  for (const auto spread :
+       {slots_of([](int i) { return static_cast<double>(i); }), slots_of([](int i) { return 0.25 * i; }),
+        slots_of([](int i) { return std::ldexp(1.0, 8 * (i - 64)); }),
+        slots_of([](int i) { return 0.1 * i; })}) {
+    EXPECT_GT(spread, kExpected * 97 / 100);
+    EXPECT_LT(spread, kExpected * 103 / 100);
   }
 }
 

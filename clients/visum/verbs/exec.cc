@@ -73,6 +73,8 @@ class ExecVerb : public Verb {
     add_link_options(app, link_);
     app.add_option("--scene", scene_, "start a server of its own with this scene, on free ports")
         ->type_name("SCENE.yaml");
+    app.add_flag("--no-cache", no_cache_,
+                 "with --scene: neither use nor keep converted meshes of earlier runs");
     app_ = &app;
     app.add_option("--tty", ttys_,
                    "the program finds the part's modules where it opens /dev/DEVICE; repeatable")
@@ -184,6 +186,7 @@ class ExecVerb : public Verb {
       throw ExitError(kUsage, "--period, --wait and --on-timeout: only with --lockstep or --gate");
     if (speedup_ > 0.0 && scene_.empty())
       throw ExitError(kUsage, "--speedup: only with --scene; a server that runs already has its own");
+    if (no_cache_ && scene_.empty()) throw ExitError(kUsage, "--no-cache: only with --scene");
     if (ttys_.empty() && cans_.empty() && !stays())
       throw ExitError(kUsage, "no device to replace: give --tty DEVICE=PART or --can VENDOR");
     if (cans_.size() > 1) throw ExitError(kUsage, "--can: a program gets one CAN bus; give it once");
@@ -211,6 +214,7 @@ class ExecVerb : public Verb {
     options.scene = scene_;
     options.clock = in_step() ? "lockstep" : "realtime";
     options.speedup = speedup_;
+    options.caches = !no_cache_;
     // The last one of a part is the one that {bus.PART} names.
     const auto add = [&](const std::string& bus) {
       std::erase(options.buses, bus);
@@ -351,6 +355,7 @@ class ExecVerb : public Verb {
   std::vector<exec::BusOption> parsed_buses_;
   std::vector<std::string> command_;
   bool lockstep_ = false;
+  bool no_cache_ = false;
   double timeout_s_ = 0.0, period_ms_ = 0.0, wait_s_ = 0.0, speedup_ = 0.0;
   double max_overruns_ = run::kMostOverruns;
   bool began_ = false;  // the program

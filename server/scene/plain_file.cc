@@ -1,0 +1,34 @@
+#include "server/scene/plain_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace visum::scene {
+
+PlainFile::PlainFile(const std::filesystem::path& path)
+    : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+  if (fd_ < 0 || (::fstat(fd_, &status_) == 0 && S_ISREG(status_.st_mode))) return;
+  ::close(fd_);
+  fd_ = -1;
+}
+
+PlainFile::~PlainFile() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+std::string PlainFile::read_at(std::uint64_t offset, std::size_t bytes) const {
+  std::string read(bytes, '\0');
+  std::size_t got = 0;
+  while (got < bytes) {
+    const ssize_t more = ::pread(fd_, read.data() + got, bytes - got, static_cast<off_t>(offset + got));
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) break;
+    got += static_cast<std::size_t>(more);
+  }
+  read.resize(got);
+  return read;
+}
+
+}  // namespace visum::scene
