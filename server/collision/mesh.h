@@ -61,7 +61,7 @@ class Mesh {
     std::uint32_t first = 0, count = 0;
   };
 
-  // What the tree is built from. It sorts small keys; the triangles are put in order at the end.
+  // The tree is built from these small keys; the triangles are put in order at the end.
   struct Building {
     std::vector<Eigen::AlignedBox3d> boxes;  // by triangle
     std::vector<std::uint32_t> order;        // the triangles, as the tree has them

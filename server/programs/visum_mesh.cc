@@ -58,7 +58,7 @@ std::string code_lines() {
     std::error_code unknown;
     std::string path = object->dlpi_name;
     if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
-    // What the kernel adds has no folder.
+    // The kernel adds one without a folder.
     if (path.find('/') != std::string::npos || unknown) paths.push_back(path);
     return 0;
   };

@@ -90,13 +90,13 @@ const std::vector<ThirdParty> kThirdParties = {
 const std::vector<std::string> kSystemFolders = {"sys/",   "netinet/", "arpa/", "net/",
                                                  "linux/", "asm/",     "bits/"};
 const std::vector<std::string> kSystemHeaders = {
-    "assert.h",   "cxxabi.h",    "dirent.h",   "dlfcn.h",  "errno.h",    "execinfo.h",  "fcntl.h",
-    "fenv.h",     "getopt.h",    "glob.h",     "grp.h",    "limits.h",   "link.h",      "locale.h",
-    "malloc.h",   "math.h",      "netdb.h",    "poll.h",   "pthread.h",  "pty.h",       "pwd.h",
-    "sched.h",    "semaphore.h", "signal.h",   "spawn.h",  "stdarg.h",   "stdbool.h",   "stddef.h",
-    "stdint.h",   "stdio.h",     "stdlib.h",   "string.h", "sysexits.h", "syslog.h",    "termios.h",
-    "threads.h",  "time.h",      "ucontext.h", "unistd.h", "utmp.h",     "xmmintrin.h", "pmmintrin.h",
-    "immintrin.h"};
+    "assert.h",    "cxxabi.h",   "dirent.h",    "dlfcn.h",    "elf.h",    "errno.h",    "execinfo.h",
+    "fcntl.h",     "fenv.h",     "getopt.h",    "glob.h",     "grp.h",    "limits.h",   "link.h",
+    "locale.h",    "malloc.h",   "math.h",      "netdb.h",    "poll.h",   "pthread.h",  "pty.h",
+    "pwd.h",       "sched.h",    "semaphore.h", "signal.h",   "spawn.h",  "stdarg.h",   "stdbool.h",
+    "stddef.h",    "stdint.h",   "stdio.h",     "stdlib.h",   "string.h", "sysexits.h", "syslog.h",
+    "termios.h",   "threads.h",  "time.h",      "ucontext.h", "unistd.h", "utmp.h",     "xmmintrin.h",
+    "pmmintrin.h", "immintrin.h"};
 
 const std::vector<std::string> kTopLevel = {
     "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "clients", "docker",
