@@ -7,7 +7,8 @@
 namespace visum::collision {
 namespace {
 
-// Pieces are made without the lock, as that takes long. Where two threads make the same, the first one's stays.
+// Pieces are made without the lock, as that takes long. Where two threads make the same, the first one's
+// stays.
 template <typename Map, typename Make>
 typename Map::mapped_type find_or_make(std::mutex& mutex, Map& known, const typename Map::key_type& key,
                                        Make make) {
