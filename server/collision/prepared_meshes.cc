@@ -2,47 +2,62 @@
 
 #include <xxhash.h>
 
+#include <cstring>
+
 #include "server/collision/hull.h"
 
 namespace visum::collision {
 namespace {
 
-// Pieces are made without the lock, as that takes long. Where two threads make the same, the first one's
-// stays.
-template <typename Map, typename Make>
-typename Map::mapped_type find_or_make(std::mutex& mutex, Map& known, const typename Map::key_type& key,
-                                       Make make) {
-  {
-    const std::lock_guard lock(mutex);
-    if (const auto found = known.find(key); found != known.end()) return found->second;
-  }
-  auto made = make();
-  const std::lock_guard lock(mutex);
-  return known.emplace(key, std::move(made)).first->second;
+std::uint64_t hash_of(const world::TriangleMesh& mesh) {
+  return XXH3_64bits(mesh.vertices.data(), mesh.vertices.size() * sizeof mesh.vertices[0]);
+}
+
+// To the bit, since -0 and 0 may give others.
+bool is_same(const world::TriangleMesh& a, const world::TriangleMesh& b) {
+  const auto equal = [](const auto& x, const auto& y) {
+    return x.size() == y.size() &&
+           (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof x[0]) == 0);
+  };
+  return equal(a.vertices, b.vertices) && equal(a.triangles, b.triangles);
 }
 
 }  // namespace
 
-PreparedMeshes::Key PreparedMeshes::key_of(const world::TriangleMesh& mesh) {
-  const auto hash_of = [](const auto& list) {
-    return XXH3_128bits(list.data(), list.size() * sizeof list[0]);
+// Pieces are made without the lock, as that takes long. Where two threads make the same, the first one's
+// stays.
+template <typename Piece, typename Make>
+std::shared_ptr<const Piece> PreparedMeshes::find_or_make(Pieces<Piece>& pieces,
+                                                          const world::TriangleMesh& mesh, Make make) {
+  const std::uint64_t hash = hash_of(mesh);
+  const auto find = [&]() -> std::shared_ptr<const Piece> {
+    const auto [begin, end] = pieces.equal_range(hash);
+    for (auto known = begin; known != end; ++known)
+      if (is_same(known->second.source, mesh)) return known->second.piece;
+    return nullptr;
   };
-  const XXH128_hash_t vertices = hash_of(mesh.vertices), triangles = hash_of(mesh.triangles);
-  return {vertices.low64, vertices.high64, triangles.low64, triangles.high64};
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto known = find()) return known;
+  }
+  Known<Piece> made{mesh, make()};
+  const std::lock_guard lock(mutex_);
+  if (auto known = find()) return known;
+  return pieces.emplace(hash, std::move(made))->second.piece;
 }
 
 std::shared_ptr<const Mesh> PreparedMeshes::mesh(const world::TriangleMesh& mesh) {
-  return find_or_make(mutex_, meshes_, key_of(mesh), [&] { return std::make_shared<const Mesh>(mesh); });
+  return find_or_make(meshes_, mesh, [&] { return std::make_shared<const Mesh>(mesh); });
 }
 
 std::shared_ptr<const Solid> PreparedMeshes::hull(const world::TriangleMesh& mesh) {
-  return find_or_make(mutex_, hulls_, key_of(mesh),
+  return find_or_make(hulls_, mesh,
                       [&] { return std::make_shared<const Solid>(make_convex(make_hull(mesh.vertices))); });
 }
 
 void PreparedMeshes::forget_unused() {
   const std::lock_guard lock(mutex_);
-  const auto unused = [](const auto& known) { return known.second.use_count() == 1; };
+  const auto unused = [](const auto& known) { return known.second.piece.use_count() == 1; };
   std::erase_if(meshes_, unused);
   std::erase_if(hulls_, unused);
 }

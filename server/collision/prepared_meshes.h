@@ -2,11 +2,10 @@
 // searched for overlaps before it starts, and gets a new stage when bodies come or go.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <utility>
 
 #include "server/collision/convex.h"
@@ -33,12 +32,22 @@ class PreparedMeshes {
   void forget_unused();
 
  private:
-  using Key = std::array<std::uint64_t, 4>;  // two words of XXH3 of the vertices, two of the triangles
-  static Key key_of(const world::TriangleMesh& mesh);
+  template <typename Piece>
+  struct Known {
+    world::TriangleMesh source;
+    std::shared_ptr<const Piece> piece;
+  };
+  template <typename Piece>
+  using Pieces = std::unordered_multimap<std::uint64_t, Known<Piece>>;  // by a hash of the source; never
+                                                                        // walked where the order matters
+
+  template <typename Piece, typename Make>
+  std::shared_ptr<const Piece> find_or_make(Pieces<Piece>& pieces, const world::TriangleMesh& mesh,
+                                            Make make);
 
   std::mutex mutex_;
-  std::map<Key, std::shared_ptr<const Mesh>> meshes_;
-  std::map<Key, std::shared_ptr<const Solid>> hulls_;
+  Pieces<Mesh> meshes_;
+  Pieces<Solid> hulls_;
 };
 
 }  // namespace visum::collision

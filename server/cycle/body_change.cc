@@ -172,16 +172,7 @@ void complete(BodyChange& change) {
   if (may_make_engines(*change.changed)) change.machinery.engines = make_engines(*change.changed);
 }
 
-}  // namespace
-
-bool BodyChange::keeps(const scene::Spawned& model) const {
-  return base == scene &&
-         std::ranges::find(scene->spawned, model.name, &scene::Spawned::name) != scene->spawned.end();
-}
-
-Outcome prepare(BodyChange& change) {
-  if (!change.base) return {};
-  change.meshes->forget_unused();  // of what has gone, and of changes that failed
+Outcome make_ready(BodyChange& change) {
   scene::Scene changed;
   auto outcome = attempt(Refusal::kWrongState, [&] { changed = *change.base; });
   for (const auto& edit : change.edits)
@@ -196,6 +187,21 @@ Outcome prepare(BodyChange& change) {
     change.changed = std::make_shared<const scene::Scene>(std::move(changed));
     complete(change);
   });
+}
+
+}  // namespace
+
+bool BodyChange::keeps(const scene::Spawned& model) const {
+  return base == scene &&
+         std::ranges::find(scene->spawned, model.name, &scene::Spawned::name) != scene->spawned.end();
+}
+
+Outcome prepare(BodyChange& change) {
+  if (!change.base) return {};
+  change.meshes->forget_unused();  // what has gone since the last change
+  const auto outcome = make_ready(change);
+  if (!outcome.done()) change.meshes->forget_unused();
+  return outcome;
 }
 
 }  // namespace visum::cycle

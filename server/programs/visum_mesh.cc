@@ -1,7 +1,6 @@
 // visum-mesh: reads a Collada file from standard input and writes its triangles to standard output
 // (scene/collada/import.h describes their form). visumd runs it once for each file. It confines itself before
 // it reads, so the worst that a bad file can do is to end this process.
-#include <link.h>
 #include <unistd.h>
 
 #include <CLI/App.hpp>
@@ -12,14 +11,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 #include <string>
-#include <system_error>
-#include <vector>
 
 #include "protocol/command_line/output.h"
 #include "protocol/command_line/parse.h"
+#include "server/scene/collada/code.h"
 #include "server/scene/collada/confine.h"
 #include "server/scene/collada/import.h"
 
@@ -50,28 +47,6 @@ bool write_all(int fd, const std::string& bytes) {
   return true;
 }
 
-// A line for each file of code in this process: whoever keeps the answer has to know whose it is.
-// Nothing where one of them cannot be told.
-std::string code_lines() {
-  const auto add = [](dl_phdr_info* object, std::size_t, void* to) {
-    auto& paths = *static_cast<std::vector<std::string>*>(to);
-    std::error_code unknown;
-    std::string path = object->dlpi_name;
-    if (path.empty()) path = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
-    // The kernel adds one without a folder.
-    if (path.find('/') != std::string::npos || unknown) paths.push_back(path);
-    return 0;
-  };
-  std::vector<std::string> paths;
-  ::dl_iterate_phdr(add, &paths);
-  std::string lines;
-  for (const std::string& path : paths) {
-    if (path.empty() || path.find('\n') != std::string::npos) return "";
-    lines += "code " + path + "\n";
-  }
-  return lines;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -88,7 +63,7 @@ int main(int argc, char** argv) {
   }
   int code = EXIT_SUCCESS;
   try {
-    const auto whose = code_lines();
+    const auto whose = visum::collada::code_lines();
     visum::collada::confine();
     const auto answer = visum::collada::to_answer(visum::collada::import_collada(read_all()));
     if (!write_all(STDOUT_FILENO, whose) || !write_all(STDOUT_FILENO, answer))

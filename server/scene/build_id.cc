@@ -3,6 +3,7 @@
 #include <elf.h>
 #include <link.h>
 
+#include <bit>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -14,6 +15,8 @@ namespace {
 
 constexpr std::size_t kMaxNotes = 1u << 16;  // bytes of a segment; programs have some hundred
 constexpr std::size_t kMaxSegments = 128;    // programs have some ten
+constexpr unsigned char kWordClass = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
+constexpr unsigned char kByteOrder = std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
 constexpr std::string_view kOwner("GNU\0", 4);
 
 template <typename T>
@@ -32,9 +35,12 @@ std::string hexadecimal(std::string_view bytes) {
   return digits;
 }
 
+}  // namespace
+
 // Each note is a header, its owner's name, and a description that begins at an aligned offset, as does the
 // next note.
-std::string id_among(std::string_view notes, std::size_t alignment) {
+std::string build_id_in(std::string_view notes, std::size_t segment_alignment) {
+  const std::size_t alignment = segment_alignment == 8 ? 8 : 4;
   const auto aligned = [&](std::size_t offset) { return (offset + alignment - 1) / alignment * alignment; };
   for (std::size_t at = 0;;) {
     const auto note = value_at<ElfW(Nhdr)>(notes, at);
@@ -51,23 +57,21 @@ std::string id_among(std::string_view notes, std::size_t alignment) {
   }
 }
 
-}  // namespace
-
 std::string build_id_of(const std::filesystem::path& path) {
   const PlainFile file(path);
   if (!file.is_open()) return "";
   const std::string begin = file.read_at(0, sizeof(ElfW(Ehdr)));
   const auto header = value_at<ElfW(Ehdr)>(begin, 0);
-  constexpr unsigned char kWordClass = sizeof(void*) == 8 ? ELFCLASS64 : ELFCLASS32;
   if (!header || !begin.starts_with(ELFMAG) || header->e_ident[EI_CLASS] != kWordClass ||
-      header->e_phentsize != sizeof(ElfW(Phdr)) || header->e_phnum > kMaxSegments)
+      header->e_ident[EI_DATA] != kByteOrder || header->e_phentsize != sizeof(ElfW(Phdr)) ||
+      header->e_phnum > kMaxSegments)
     return "";
   const std::string table = file.read_at(header->e_phoff, header->e_phnum * sizeof(ElfW(Phdr)));
   for (std::size_t i = 0; i < header->e_phnum; ++i) {
     const auto segment = value_at<ElfW(Phdr)>(table, i * sizeof(ElfW(Phdr)));
     if (!segment || segment->p_type != PT_NOTE || segment->p_filesz > kMaxNotes) continue;
     const std::string notes = file.read_at(segment->p_offset, segment->p_filesz);
-    if (const auto id = id_among(notes, segment->p_align == 8 ? 8 : 4); !id.empty()) return id;
+    if (const auto id = build_id_in(notes, segment->p_align); !id.empty()) return id;
   }
   return "";
 }

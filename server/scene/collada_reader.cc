@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 #include <charconv>
-#include <ctime>
+#include <functional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxParts = 1000;
 
 constexpr std::string_view kCode = "code ";
+constexpr std::size_t kReadAhead = std::size_t{64} << 20;  // bytes of files that wait for a reader
 
 [[noreturn]] void fail_answer() {
   throw std::runtime_error("its reader's answer is not a mesh");
@@ -55,10 +56,16 @@ std::size_t read_part_line(std::istringstream& words, ColladaPart& part) {
   return bytes;
 }
 
-// The files that the reader ran with.
-std::vector<fs::path> code_of(std::string_view answer) {
-  std::vector<fs::path> files;
-  while (answer.starts_with(kCode)) files.push_back(take_line(answer).substr(kCode.size()));
+// Takes the lines of the files that the reader ran with.
+std::vector<CodeFile> take_code(std::string_view& answer) {
+  std::vector<CodeFile> files;
+  while (answer.starts_with(kCode)) {
+    if (files.size() == AnswerCache::kMaxCode) fail_answer();
+    const std::string line = take_line(answer).substr(kCode.size());
+    const auto space = line.find(' ');
+    if (space == std::string::npos) fail_answer();
+    files.push_back({line.substr(0, space), line.substr(space + 1)});
+  }
   return files;
 }
 
@@ -67,22 +74,35 @@ fs::path program_beside_this() {
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
 }
 
-// Those on which this process may run.
-std::size_t processors() {
+// Calls act(0) to act(count - 1), on as many threads as this one may have processors, up to kMostReaders.
+void on_processors(std::size_t count, const std::function<void(std::size_t)>& act) {
   cpu_set_t set;
-  return ::sched_getaffinity(0, sizeof set, &set) == 0 ? static_cast<std::size_t>(CPU_COUNT(&set)) : 1;
+  const int processors = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+  const std::size_t readers = std::min({count, static_cast<std::size_t>(processors), kMostReaders});
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) act(i);
+  };
+  std::vector<std::jthread> threads;
+  try {
+    while (threads.size() + 1 < readers) threads.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Fewer do as well.
+  }
+  work();
 }
 
 ColladaMesh convert(const fs::path& file, const config::FileContent& content, const ColladaProcess& process) {
   if (!content.fault.empty()) throw std::runtime_error("it cannot be opened: " + content.fault);
   const std::string program = process.program.empty() ? program_beside_this().string() : process.program;
   const AnswerCache& cache = process.cache ? *process.cache : answer_cache();
-  if (const auto known = cache.find(program, content.bytes))
-    return read_collada_answer(*known, file.string());
-  const std::time_t begun = std::time(nullptr);
+  const auto question = cache.ask(program, content.bytes);
+  if (const auto known = cache.find(question)) return read_collada_answer(*known, file.string());
   const std::string answer = run_reader(program, content.bytes, {process.deadline, kMaxMeshBytes});
   ColladaMesh mesh = read_collada_answer(answer, file.string());
-  cache.keep(program, content.bytes, answer, code_of(answer), begun);
+  std::string_view left = answer;
+  const auto code = take_code(left);
+  cache.keep(question, left, code);
   return mesh;
 }
 
@@ -94,7 +114,7 @@ bool is_collada(const fs::path& file) {
 
 ColladaMesh read_collada_answer(std::string_view answer, const std::string& file) {
   ColladaMesh whole;
-  while (answer.starts_with(kCode)) take_line(answer);
+  take_code(answer);
   while (true) {
     std::istringstream words(take_line(answer));
     std::string word;
@@ -121,33 +141,23 @@ ColladaMesh read_collada(const fs::path& file, const ColladaProcess& process) {
   return convert(file, config::read_file(file, kMaxMeshBytes), process);
 }
 
-// The files are read on this thread, which may note what it reads, or be given it.
 std::vector<ColladaResult> read_all_collada(std::span<const fs::path> files, const ColladaProcess& process) {
-  std::vector<config::FileContent> contents;
-  for (const fs::path& file : files) contents.push_back(config::read_file(file, kMaxMeshBytes));
-  const std::size_t readers = std::min({files.size(), processors(), kMostReaders});
-  ColladaProcess shared = process;
-  shared.deadline *= static_cast<int>(std::max<std::size_t>(readers, 1));  // they may have one processor
   std::vector<ColladaResult> results(files.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < files.size(); i = next++) {
+  std::vector<config::FileContent> contents;
+  for (std::size_t first = 0; first < files.size(); first += contents.size()) {
+    contents.clear();
+    // The files are read on this thread, which may note what it reads, or be given it.
+    for (std::size_t bytes = 0; first + contents.size() < files.size() && bytes < kReadAhead;
+         bytes += contents.back().bytes.size())
+      contents.push_back(config::read_file(files[first + contents.size()], kMaxMeshBytes));
+    on_processors(contents.size(), [&](std::size_t i) {
       try {
-        results[i].mesh = convert(files[i], contents[i], shared);
+        results[first + i].mesh = convert(files[first + i], contents[i], process);
       } catch (...) {
-        results[i].fault = std::current_exception();
+        results[first + i].fault = std::current_exception();
       }
-      contents[i] = {};
-    }
-  };
-  std::vector<std::jthread> threads;
-  try {
-    while (threads.size() + 1 < readers) threads.emplace_back(work);
-  } catch (const std::system_error&) {
-    // Fewer do as well.
+    });
   }
-  work();
-  threads.clear();
   return results;
 }
 

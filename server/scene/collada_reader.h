@@ -41,8 +41,8 @@ bool is_collada(const std::filesystem::path& file);
 // opened".
 ColladaMesh read_collada(const std::filesystem::path& file, const ColladaProcess& process = {});
 
-// Reads several files as read_collada() does, by as many processes at once as this one has processors, up to
-// kMostReaders. Each then has so many times the time limit.
+// Reads several files as read_collada() does, by as many processes at once as there are processors for this
+// thread, up to kMostReaders.
 struct ColladaResult {
   ColladaMesh mesh;
   std::exception_ptr fault;  // what read_collada() would have thrown; null: nothing

@@ -1,5 +1,4 @@
-// A plain file that is read without trust in what it is: opening it neither waits nor acts, as a pipe or a
-// device would.
+// A plain file that is read without trust in what it is: nobody waits for the other end of a pipe.
 #pragma once
 
 #include <sys/stat.h>
@@ -24,7 +23,7 @@ class PlainFile {
   std::string read_at(std::uint64_t offset, std::size_t bytes) const;
 
  private:
-  int fd_;
+  int fd_ = -1;
   struct stat status_ {};
 };
 

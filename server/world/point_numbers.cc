@@ -3,7 +3,10 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <sys/auxv.h>
+
 #include <array>
+#include <cstring>
 
 namespace visum::world {
 namespace {
@@ -11,9 +14,16 @@ namespace {
 constexpr std::size_t kLeastSlots = 64;  // a power of two, as all sizes of the table
 }  // namespace
 
+// The seed differs from process to process: no file can be made whose points all meet in one slot.
 std::uint64_t hash_of(const Eigen::Vector3d& point) {
+  static const std::uint64_t seed = [] {
+    std::uint64_t random = 0;
+    if (const unsigned long given = ::getauxval(AT_RANDOM))
+      std::memcpy(&random, reinterpret_cast<const void*>(given), sizeof random);
+    return random;
+  }();
   const std::array<double, 3> bits{point.x() + 0.0, point.y() + 0.0, point.z() + 0.0};  // -0 becomes 0
-  return XXH3_64bits(bits.data(), sizeof bits);
+  return XXH3_64bits_withSeed(bits.data(), sizeof bits, seed);
 }
 
 // The slot that holds the point, or a free one.

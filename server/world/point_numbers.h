@@ -9,7 +9,8 @@
 
 namespace visum::world {
 
-// Equal points have one hash. All of its bits are spread, also where the coordinates are round numbers.
+// Equal points have one hash, of which all bits are spread. It differs from process to process; the numbers
+// of points do not.
 std::uint64_t hash_of(const Eigen::Vector3d& point);
 
 // A plain value. Coordinates must not be NaN; -0 equals 0.

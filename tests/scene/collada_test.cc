@@ -1,7 +1,6 @@
 // Collada visuals through the real visum-mesh: good, broken, hostile and missing files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <thread>
 
@@ -61,16 +60,8 @@ TEST(Collada, PartsComeByMaterialInMetresInTheFilesOwnAxes) {
   EXPECT_TRUE(badge.textured);
 }
 
-// Answers of code that was linked a moment ago are not kept.
-void wait_until_trusted(const std::filesystem::path& code) {
-  struct stat status {};
-  ASSERT_EQ(::stat(code.c_str(), &status), 0);
-  std::this_thread::sleep_until(std::chrono::system_clock::from_time_t(status.st_ctim.tv_sec + 4));
-}
-
 TEST(Collada, IsConvertedOnce) {
   const TempFiles files;
-  wait_until_trusted(VISUM_BIN_DIR "/visum-mesh");
   const AnswerCache cache(files.folder() / "cache");
   const auto file = files.folder() / "a.dae";
   std::filesystem::copy_file(kBadge, file);
@@ -119,6 +110,39 @@ TEST(Collada, ManyFilesAreReadAtOnce) {
     EXPECT_THROW(std::rethrow_exception(results[bad].fault), std::runtime_error);
   }
   EXPECT_TRUE(read_all_collada({}).empty());
+}
+
+// Each of these readers waits until two have begun.
+TEST(Collada, IsConvertedBySeveralReadersAtOnce) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "there is one processor";
+  const TempFiles files;
+  const std::string begun = (files.folder() / "begun").string();
+  std::filesystem::create_directory(begun);
+  const auto reader = files.write("reader", "#!/bin/sh\n: > " + begun + "/$$\nuntil [ $(ls " + begun +
+                                                " | wc -l) -ge 2 ]; do sleep 0.05; done\nexec " VISUM_BIN_DIR
+                                                "/visum-mesh\n");
+  std::filesystem::permissions(reader, std::filesystem::perms::owner_all);
+  std::vector<std::filesystem::path> list;
+  for (const char* name : {"a.dae", "b.dae"}) list.push_back(files.write(name, document(kTriangle, "0 1 2")));
+  for (const auto& result : read_all_collada(list, {.program = reader.string()})) EXPECT_FALSE(result.fault);
+}
+
+TEST(Collada, AnAnswerNamesNoMoreCodeThanThereCanBe) {
+  const std::string line = "code 0a /lib/a.so\n";
+  std::string answer;
+  for (std::size_t i = 0; i < AnswerCache::kMaxCode; ++i) answer += line;
+  const std::string mesh = "part none 84\n" + std::string(80, ' ') + std::string(4, '\0') + "end\n";
+  const auto why_not = [](const std::string& text) -> std::string {
+    try {
+      read_collada_answer(text, "a.dae");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(why_not(answer + mesh), HasSubstr("holds no triangle"));
+  EXPECT_EQ(why_not(answer + line + mesh), "its reader's answer is not a mesh");
+  EXPECT_EQ(why_not("code 0a\n" + mesh), "its reader's answer is not a mesh");
 }
 
 TEST(Collada, TheSmallestDocumentIsRead) {

@@ -27,9 +27,9 @@ struct Import {
 // one line.
 Import import_collada(std::string_view document);
 
-// The answer of visum-mesh, after a line "code PATH" for its own file and for each shared library that it
-// runs with (visum_mesh.cc). For each part: a line "part R G B A BYTES" ("part none BYTES" without a colour)
-// and so many bytes of binary STL. Then a line "textured" if it is, and a line "end".
+// The answer of visum-mesh, after a line "code BUILD_ID PATH" for its own file and for each shared library
+// that it runs with (code.h). For each part: a line "part R G B A BYTES" ("part none BYTES" without a
+// colour) and so many bytes of binary STL. Then a line "textured" if it is, and a line "end".
 std::string to_answer(const Import& import);
 
 }  // namespace visum::collada
