@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using test::TempFiles;
 
 const fs::path kBin = VISUM_BIN_DIR;
+const fs::path kOther = kBin / "scene_test";  // a program of another build than visum-mesh
 
 class Answers : public testing::Test {
  protected:
@@ -57,7 +58,7 @@ TEST_F(Answers, AreFoundAgain) {
   const AnswerCache other_process(folder_);
   EXPECT_EQ(other_process.find(other_process.ask(reader_, "other input")), "");
   EXPECT_EQ(find("inpu"), std::nullopt);
-  EXPECT_EQ(cache_.find(cache_.ask(kBin / "visum", "input")), std::nullopt);
+  EXPECT_EQ(cache_.find(cache_.ask(kOther, "input")), std::nullopt);
   keep(cache_, "input", "new");
   EXPECT_EQ(find("input"), "new");
 }
@@ -85,7 +86,7 @@ TEST_F(Answers, OfAnotherBuildAreNone) {
   const auto old = code();
   fs::remove(library_);
   EXPECT_EQ(find("input"), std::nullopt);
-  fs::copy_file(kBin / "visum", library_);
+  fs::copy_file(kOther, library_);
   EXPECT_EQ(find("input"), std::nullopt);
   cache_.keep(cache_.ask(reader_, "second"), "of the old one", old);
   EXPECT_EQ(find("second"), std::nullopt) << "it was replaced while the reader ran";
@@ -105,10 +106,10 @@ TEST_F(Answers, OfAReaderThatWasReplacedAreNone) {
   keep_of(reader_, "answer");
   EXPECT_EQ(answer(), "answer");
   fs::remove(link);
-  fs::create_symlink(kBin / "visum", link);
+  fs::create_symlink(kOther, link);
   EXPECT_EQ(answer(), std::nullopt) << "the old one is still there";
   fs::remove(link);
-  fs::copy_file(kBin / "visum", link);
+  fs::copy_file(kOther, link);
   keep_of(fs::canonical(link), "its answer");
   EXPECT_EQ(answer(), "its answer");
   fs::remove(link);
@@ -314,7 +315,7 @@ TEST(BuildId, IsFoundAmongOtherNotes) {
 TEST(BuildId, OfAFileThatHasNoneIsEmpty) {
   const TempFiles files;
   EXPECT_FALSE(build_id_of(kBin / "visum-mesh").empty());
-  EXPECT_NE(build_id_of(kBin / "visum-mesh"), build_id_of(kBin / "visum"));
+  EXPECT_NE(build_id_of(kBin / "visum-mesh"), build_id_of(kOther));
   EXPECT_EQ(build_id_of("/nowhere"), "");
   EXPECT_EQ(build_id_of("/dev/zero"), "");
   EXPECT_EQ(build_id_of(files.folder()), "");
