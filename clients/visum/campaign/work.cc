@@ -21,9 +21,7 @@ constexpr std::size_t kChecked = 1000;
 class Work {
  public:
   Work(const config::Node& root, const WorkOptions& options, Results& results)
-      : root_(root),
-        options_(options),
-        results_(results),
+      : options_(options),
         sweep_(root),
         keeper_(root, {options.folder, options.words, options.records, options.records_all, options.fresh},
                 results),
@@ -99,9 +97,7 @@ class Work {
     if (options_.on_progress) options_.on_progress(progress_);
   }
 
-  const config::Node& root_;
   const WorkOptions& options_;
-  Results& results_;
   const run::Sweep sweep_;
   Keeper keeper_;
   std::size_t next_;  // run

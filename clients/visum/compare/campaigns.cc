@@ -183,7 +183,8 @@ CampaignComparison compare_campaigns(const std::filesystem::path& a, const std::
     }
   });
   result.only_b = all_b - result.runs;
-  std::ranges::stable_partition(result.different, &RunPair::turned);
+  std::stable_partition(result.different.begin(), result.different.end(),
+                        [](const RunPair& pair) { return pair.turned(); });
   result.settings = settings_of(in_a, in_b);
   result.equal = result.different_count == 0 && result.only_a == 0 && result.only_b == 0;
   result.verdict = verdict.result("passed");
