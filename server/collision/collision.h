@@ -7,11 +7,12 @@
 #include <memory>
 #include <vector>
 
-#include "server/collision/prepared_meshes.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
 
 namespace visum::collision {
+
+class PreparedMeshes;
 
 // One contact point between two shapes; shape_a < shape_b. Lengths in m.
 struct Contact {

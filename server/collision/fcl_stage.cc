@@ -27,20 +27,19 @@ std::shared_ptr<fcl::CollisionGeometryd> make_hull(const Polytope& polytope) {
 
 // A mesh takes part by its box, in the broad phase only.
 std::shared_ptr<fcl::CollisionGeometryd> make_geometry(const PreparedShape& shape) {
-  static const Convex none;
-  const Convex& convex = shape.solid ? shape.solid->convex : none;
+  const Convex* convex = shape.solid ? &shape.solid->convex : nullptr;
   using enum world::ShapeKind;
   switch (shape.kind) {
     case kBox:
-      return std::make_shared<fcl::Boxd>(2.0 * convex.polytope.box);
+      return std::make_shared<fcl::Boxd>(2.0 * convex->polytope.box);
     case kSphere:
-      return std::make_shared<fcl::Sphered>(convex.radius);
+      return std::make_shared<fcl::Sphered>(convex->radius);
     case kCapsule:
-      return std::make_shared<fcl::Capsuled>(convex.radius, 2.0 * convex.half_length);
+      return std::make_shared<fcl::Capsuled>(convex->radius, 2.0 * convex->half_length);
     case kCylinder:
-      return std::make_shared<fcl::Cylinderd>(convex.radius, 2.0 * convex.half_length);
+      return std::make_shared<fcl::Cylinderd>(convex->radius, 2.0 * convex->half_length);
     case kConvex:
-      return make_hull(convex.polytope);
+      return make_hull(convex->polytope);
     case kMesh:
       return std::make_shared<fcl::Boxd>(2.0 * shape.box_S.max().cwiseMax(-shape.box_S.min()));
     case kPlane:

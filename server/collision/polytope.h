@@ -10,7 +10,8 @@
 
 namespace visum::collision {
 
-// Solids with more directions of faces, or of edges, are not tested along all separating axes (24 + 144).
+// A pair is tested along all separating axes if neither solid has more directions of faces, or of edges: then
+// there are at most 24 + 144.
 inline constexpr std::size_t kMaxSatDirections = 12;
 
 struct Polytope {

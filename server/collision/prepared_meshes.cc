@@ -13,7 +13,7 @@ std::uint64_t hash_of(const world::TriangleMesh& mesh) {
   return XXH3_64bits(mesh.vertices.data(), mesh.vertices.size() * sizeof mesh.vertices[0]);
 }
 
-// To the bit, since -0 and 0 may give others.
+// Compares bits: where one has -0 and the other 0, a tree may have other signs.
 bool is_same(const world::TriangleMesh& a, const world::TriangleMesh& b) {
   const auto equal = [](const auto& x, const auto& y) {
     return x.size() == y.size() &&

@@ -38,8 +38,7 @@ class PreparedMeshes {
     std::shared_ptr<const Piece> piece;
   };
   template <typename Piece>
-  using Pieces = std::unordered_multimap<std::uint64_t, Known<Piece>>;  // by a hash of the source; never
-                                                                        // walked where the order matters
+  using Pieces = std::unordered_multimap<std::uint64_t, Known<Piece>>;  // by a hash of the source
 
   template <typename Piece, typename Make>
   std::shared_ptr<const Piece> find_or_make(Pieces<Piece>& pieces, const world::TriangleMesh& mesh,

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "protocol/config/unknown_name.h"
+#include "server/collision/prepared_meshes.h"
 #include "server/cycle/attempt.h"
 #include "server/cycle/start_overlaps.h"
 #include "server/cycle/world_edit.h"

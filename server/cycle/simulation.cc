@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hwparts/powercube/module_bus.h"
+#include "server/collision/prepared_meshes.h"
 #include "server/cycle/follow.h"
 #include "server/cycle/start_overlaps.h"
 

@@ -4,10 +4,13 @@
 
 #include <vector>
 
-#include "server/collision/prepared_meshes.h"
 #include "server/scene/scene.h"
 #include "server/world/ids.h"
 #include "server/world/world_model.h"
+
+namespace visum::collision {
+class PreparedMeshes;
+}
 
 namespace visum::cycle {
 

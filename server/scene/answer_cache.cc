@@ -9,14 +9,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <stdexcept>
 #include <system_error>
 
-#include "server/scene/build_id.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/plain_file.h"
 
@@ -43,14 +41,6 @@ std::string digest_of(std::string_view bytes) {
   XXH128_canonical_t digest;
   XXH128_canonicalFromHash(&digest, XXH3_128bits(bytes.data(), bytes.size()));
   return {reinterpret_cast<const char*>(digest.digest), kDigestBytes};
-}
-
-std::string hexadecimal_digest_of(std::string_view bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  char digits[33];
-  std::snprintf(digits, sizeof digits, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                static_cast<unsigned long long>(hash.low64));
-  return digits;
 }
 
 // Those of which glibc's libm has variants, which may round differently.
@@ -185,7 +175,7 @@ AnswerCache::Question AnswerCache::ask(const fs::path& reader, std::string_view 
     if (list.is_open()) asked += digest_of(list.read_at(0, kMaxLibraries));
     asked += '\0';
   }
-  question.entry = folder_ / (hexadecimal_digest_of(asked) + kExtension);
+  question.entry = folder_ / (hexadecimal(digest_of(asked)) + kExtension);
   return question;
 }
 

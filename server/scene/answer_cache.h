@@ -12,16 +12,13 @@
 #include <string_view>
 #include <vector>
 
+#include "server/scene/build_id.h"
+
 namespace visum::scene {
 
 // $CACHE_DIRECTORY/visum (systemd sets it; of a list the first), $XDG_CACHE_HOME/visum or $HOME/.cache/visum:
 // the first of these whose variable is set and absolute. Empty: none is.
 std::filesystem::path usual_cache_folder();
-
-// A program or shared library, as it was when it ran.
-struct CodeFile {
-  std::string build_id, path;
-};
 
 // A folder of entries, one file each. Any number of processes and threads may use it at once. Nothing throws
 // or fails: an entry that is not whole, of another user, or not of these builds counts as missing and is

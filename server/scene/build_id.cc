@@ -27,6 +27,8 @@ std::optional<T> value_at(std::string_view bytes, std::size_t offset) {
   return value;
 }
 
+}  // namespace
+
 std::string hexadecimal(std::string_view bytes) {
   std::string digits;
   for (const char c : bytes)
@@ -34,8 +36,6 @@ std::string hexadecimal(std::string_view bytes) {
       digits += "0123456789abcdef"[(static_cast<unsigned char>(c) >> shift) & 15];
   return digits;
 }
-
-}  // namespace
 
 // Each note is a header, its owner's name, and a description that begins at an aligned offset, as does the
 // next note.

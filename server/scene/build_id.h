@@ -9,6 +9,14 @@
 
 namespace visum::scene {
 
+// A program or shared library, as it was when it ran.
+struct CodeFile {
+  std::string build_id, path;
+};
+
+// As build ids are written.
+std::string hexadecimal(std::string_view bytes);
+
 // In hexadecimal digits. Empty if the file has none, is no ELF file of this machine's form, or cannot be
 // read.
 std::string build_id_of(const std::filesystem::path& file);

@@ -74,7 +74,8 @@ fs::path program_beside_this() {
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
 }
 
-// Calls act(0) to act(count - 1), on as many threads as this one may have processors, up to kMostReaders.
+// Calls act(0) to act(count - 1), on as many threads as there are processors for this one, up to
+// kMostReaders.
 void on_processors(std::size_t count, const std::function<void(std::size_t)>& act) {
   cpu_set_t set;
   const int processors = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;

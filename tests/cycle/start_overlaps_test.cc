@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/collision/prepared_meshes.h"
 #include "server/cycle/simulation.h"
 #include "tests/support/temp_files.h"
 

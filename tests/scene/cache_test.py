@@ -72,13 +72,15 @@ class Cache(unittest.TestCase):
         for other in ("b.mcap", "c.mcap"):
             same = self.do("visum", "compare", "a.mcap", other)
             self.assertEqual(same.returncode, 0, same.stdout + same.stderr)
+            self.assertNotIn("file ", same.stdout, "files that differ are told, even if all ticks are equal")
             self.assertEqual(self.do("visum", "replay", other).returncode, 0)
         for entry in self.entries():
             entry.write_bytes(entry.read_bytes()[:-1])
         self.assertEqual(self.run_scenario(), first)
         pyramid = self.folder / "pyramid.dae"
         pyramid.write_text(PYRAMID.replace("0 0 0.2</float_array>", "0 0 0.3</float_array>"))
-        self.assertNotEqual(self.run_scenario(), first)
+        self.assertNotEqual(self.run_scenario("--record", "d.mcap"), first)
+        self.assertIn("file pyramid.dae", self.do("visum", "compare", "a.mcap", "d.mcap").stdout)
 
     def test_a_file_is_converted_once(self):
         programs = self.folder / "bin"
