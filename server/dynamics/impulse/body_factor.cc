@@ -24,9 +24,8 @@ Block mass_block(const FreeBody& body) {
 
 }  // namespace
 
-void BodyFactor::start(std::span<const FreeBody> bodies, bool symmetric) {
+void BodyFactor::start(std::span<const FreeBody> bodies) {
   bodies_ = bodies;
-  symmetric_ = symmetric;
   elimination_.start(bodies.size());
 }
 
@@ -34,7 +33,8 @@ void BodyFactor::connect(std::size_t a, std::size_t b) {
   elimination_.connect(a, b);
 }
 
-bool BodyFactor::place(std::size_t most_entries) {
+bool BodyFactor::place(bool symmetric, std::size_t most_entries) {
+  symmetric_ = symmetric;
   const std::size_t count = bodies_.size(), most_blocks = most_entries / 36;
   if (count > most_blocks || !elimination_.find(most_blocks - count)) return false;
   const std::size_t entries = elimination_.entries();

@@ -27,17 +27,18 @@ struct FreeBody {
   std::array<double, 9> inertia{};  // about the centre of mass, in W
 };
 
-// Owned by Rows, used on its thread. Call in the order of the declarations. Nothing that is kept from
-// one use to the next shows in a result.
+// Owned by Rows, used on its thread. Call in the order of the declarations; from place() on again for other
+// rows on the same bodies. Nothing that is kept from one use to the next shows in a result.
 class BodyFactor {
  public:
   explicit BodyFactor(const Kernels& by = kernels()) : kernels_(&by) {}
 
-  // `symmetric`: all rows push along the directions that they measure. `bodies` must stay valid until
-  // factor().
-  void start(std::span<const FreeBody> bodies, bool symmetric);
-  void connect(std::size_t a, std::size_t b);  // a row holds both bodies
-  bool place(std::size_t most_entries);        // puts M in place; false if there would be more entries
+  // `bodies` must stay valid until the last factor().
+  void start(std::span<const FreeBody> bodies);
+  void connect(std::size_t a, std::size_t b);  // rows may hold both bodies
+  // Puts M in place; false if there would be more entries. `symmetric`: all rows push along the directions
+  // that they measure.
+  bool place(bool symmetric, std::size_t most_entries);
   // In factor(), once placed: of each body's inverse, and of the products.
   std::uint64_t multiplications() const;
   void add(std::span<const BodyRow> rows);  // at most three, on the same bodies

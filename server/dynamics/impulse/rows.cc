@@ -67,7 +67,7 @@ void Rows::prepare(RowIsland& island) {
   velocities_ = island.velocities;
   bodies_ = island.bodies;
   responses_ = island.responses;
-  has_pairs_ = has_places_ = has_lanes_ = has_factor_ = false;
+  has_pairs_ = has_places_ = has_lanes_ = has_order_ = has_factor_ = false;
   island_->largest_change = 0.0;
   island_->sweep_units = 0;
   for (RowBlock& block : blocks_) {
@@ -135,6 +135,11 @@ void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
   }
 }
 
+void Rows::move_normal(RowBlock& block, double to) {
+  change(block, {to - block.lambda[0], 0.0, 0.0});
+  set_normal(block, to);
+}
+
 // The miss of a row's equation: target - u - k lambda - s (lambda - c).
 double Rows::error(const RowBlock& block, std::size_t row) const {
   const double soft = block.softness[row] * (block.lambda[row] - block.centre[row]);
@@ -142,29 +147,28 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-// The change for a row that nothing can move. A drive gives what it may against what it misses; a stop gives
-// nothing.
-double Rows::step_of_rigid(const RowBlock& block, double error) const {
-  if (block.kind != RowBlock::Kind::kBounded) return 0.0;
-  const double least = kRigid * block.free_response, now = block.lambda[0];
+// Of a row that nothing can move. A drive gives what it may against what it misses; a stop gives nothing.
+double Rows::next_of_rigid(const RowBlock& block, double error) const {
+  const double now = block.lambda[0];
+  if (block.kind != RowBlock::Kind::kBounded) return now;
+  const double least = kRigid * block.free_response;
   const bool may = least > 0.0 && std::isfinite(block.high - block.low);
-  return std::clamp(may ? now + error / least : now, block.low, block.high) - now;
+  return std::clamp(may ? now + error / least : now, block.low, block.high);
 }
 
-// The change that brings the first row to its equation, or to its bound; it misses by `error`.
-double Rows::normal_step(const RowBlock& block, double error) const {
+double Rows::next_normal(const RowBlock& block, double error) const {
   const double stiffness = stiffness_of(block);
-  if (!(stiffness > kRigid * block.free_response)) return step_of_rigid(block, error);
-  const double now = block.lambda[0], next = now + error / stiffness;
+  if (!(stiffness > kRigid * block.free_response)) return next_of_rigid(block, error);
+  const double next = block.lambda[0] + error / stiffness;
   switch (block.kind) {
     case RowBlock::Kind::kContact:
-      return std::max(block.low, next) - now;
+      return std::max(block.low, next);
     case RowBlock::Kind::kTwist: {
-      const double most = block.torsion * pressure(block), start = now + block.base[0];
-      return std::clamp(next + block.base[0], -most, most) - start;
+      const double most = block.torsion * pressure(block);
+      return std::clamp(next + block.base[0], -most, most) - block.base[0];
     }
     default:
-      return std::clamp(next, block.low, block.high) - now;
+      return std::clamp(next, block.low, block.high);
   }
 }
 
@@ -190,9 +194,9 @@ Tangential Rows::tangents_step(const RowBlock& block, double e1, double e2) cons
 // Returns by how much the velocities were not as the block's rows ask. The normal comes first: the tangents'
 // bound depends on it.
 double Rows::relax(RowBlock& block) {
-  const double by = normal_step(block, error(block, 0));
-  change(block, {by, 0.0, 0.0});
-  const double normal = std::abs(by) * stiffness_of(block);
+  const double next = next_normal(block, error(block, 0));
+  const double normal = std::abs(next - block.lambda[0]) * stiffness_of(block);
+  move_normal(block, next);
   if (!has_tangents(block)) return normal;
   const Tangential along = tangents_step(block, error(block, 1), error(block, 2));
   change(block, {0.0, along[0], along[1]});
@@ -207,7 +211,8 @@ std::array<double, 3> Rows::errors(const RowBlock& block) const {
 
 // The same figure as relax() finds, but here nothing moves.
 double Rows::miss(const RowBlock& block, const std::array<double, 3>& errors) const {
-  const double normal = std::max(0.0, std::abs(normal_step(block, errors[0])) * stiffness_of(block));
+  const double normal =
+      std::max(0.0, std::abs(next_normal(block, errors[0]) - block.lambda[0]) * stiffness_of(block));
   if (!has_tangents(block)) return normal;
   const Tangential along = tangents_step(block, errors[1], errors[2]);
   return std::max({normal, std::abs(along[0]) * block.K[1], std::abs(along[1]) * block.K[2]});
@@ -315,8 +320,6 @@ double Rows::solve(int most_sweeps, double least, double share, double rest) {
   if (softly && at_first) {
     missed = largest_miss();
     island_->solved = follow_soft_points(missed, least, share);
-    // Newton's last step may leave impulses a little beyond their bounds, where sweeps leave none.
-    if (island_->inexact) sweep_often(2, 0.0);
     if (island_->solved || island_->inexact) return missed;
   }
   // One sweep tells which rows are at their bounds, and how large the changes are.

@@ -134,10 +134,10 @@ class Rows {
   double miss(const RowBlock& block, const std::array<double, 3>& errors) const;
   // Corrects one block. Returns the largest miss that it found.
   double relax(RowBlock& block);
-  // Changes of impulse, for rows that miss by `error`: of a row that nothing can move; of a block's first row
-  // to its equation or its bound; of the tangents, within the friction disc.
-  double step_of_rigid(const RowBlock& block, double error) const;
-  double normal_step(const RowBlock& block, double error) const;
+  // Where rows that miss by `error` belong. The first row's impulse: at its equation or exactly at its bound;
+  // the same of a row that nothing can move. The tangents' change of impulse, within the friction disc.
+  double next_normal(const RowBlock& block, double error) const;
+  double next_of_rigid(const RowBlock& block, double error) const;
   Tangential tangents_step(const RowBlock& block, double e1, double e2) const;
   // True if the impulses at the start are good enough to be the answer.
   bool is_at_rest(double least, double share, double rest);
@@ -155,6 +155,11 @@ class Rows {
   void push(const RowBlock& block, const std::array<double, 3>& by);
   // Adds impulses to the velocities, to lambda and to applied.
   void change(RowBlock& block, const std::array<double, 3>& by);
+  // The same for a block's first row, to `to`.
+  void move_normal(RowBlock& block, double to);
+  // After a change: the first row stands at `to` without a rounding. Whether it is at its bound is asked
+  // exactly.
+  static void set_normal(RowBlock& block, double to) { block.lambda[0] = block.applied[0] = to; }
   // Puts the starting impulses into the velocities, and the proximal points there. Returns whether any
   // velocity has changed.
   bool start();
@@ -248,6 +253,7 @@ class Rows {
   void project_bounded(std::size_t index);
   // Changes a block's impulses by a projection.
   void project(RowBlock& block, const std::array<double, 3>& by);
+  void project_normal(RowBlock& block, double to);
   // Puts a contact's friction onto its cone, along a direction of length 1.
   void slide_along(RowBlock& block, const Tangential& d);
   // Impulses and velocities to come back to.
@@ -266,6 +272,7 @@ class Rows {
   // The active rows from `i` on that belong to one block.
   std::span<const Row> rows_of_block(std::size_t i) const;
   void find_body_rows();  // the active rows, as the bodies' system takes them
+  void connect_bodies();  // tells body_factor_ which bodies meet, unless that has been done since prepare()
   bool factor_bodies(std::size_t most_entries);
 
   // Counts work before it is done.
@@ -295,9 +302,9 @@ class Rows {
   System system_ = System::kRows;  // the one that is factored
   std::vector<double> pairs_;      // nine for each two blocks
   std::vector<char> pairs_known_;  // for each two blocks; empty: they are not kept
-  // Kept since prepare(): responses of blocks to each other, or in small_, contacts side by side, and a
-  // factor, of which rows, with their softness.
-  bool has_pairs_ = false, has_places_ = false, has_lanes_ = false, has_factor_ = false;
+  // Kept since prepare(): responses of blocks to each other, or in small_, contacts side by side, the bodies'
+  // order, and a factor, of which rows, with their softness.
+  bool has_pairs_ = false, has_places_ = false, has_lanes_ = false, has_order_ = false, has_factor_ = false;
   bool has_settings_ = false;  // contact_lanes_ has the rows' present targets, bounds and softness
   bool projected_ = false;     // the last projection has changed an impulse
   std::vector<Row> factored_;
@@ -306,6 +313,7 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
+  std::vector<double> normals_;               // by block: where steps_ leads its first row
   ContactLanes contact_lanes_;
   // By block: what the rows miss, where largest_miss() or find_missing() has looked last.
   std::vector<std::array<double, 3>> errors_;

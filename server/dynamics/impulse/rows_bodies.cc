@@ -57,16 +57,24 @@ void Rows::find_body_rows() {
   }
 }
 
+// All blocks count, whether their rows are active or not: so the bodies have one order in a moment.
+void Rows::connect_bodies() {
+  if (has_order_) return;
+  // The search for an order looks at all bodies that are left, once for each.
+  count_work(bodies_.size() * bodies_.size() / 2 / WorkBudget::kMultiplications);
+  body_factor_.start(bodies_);
+  for (const RowBlock& block : blocks_)
+    if (block.end_count == 2 && block.ends[0].free && block.ends[1].free)
+      body_factor_.connect(block.ends[0].offset / 6, block.ends[1].offset / 6);
+  has_order_ = true;
+}
+
 bool Rows::factor_bodies(std::size_t most_entries) {
   // Without dragged friction the matrix is symmetric, and half of the work is saved.
   const bool symmetric = std::ranges::none_of(active_, &Row::drags);
   find_body_rows();
-  body_factor_.start(bodies_, symmetric);
-  for (const BodyRow& row : body_rows_)
-    if (row.ends == 2) body_factor_.connect(row.body[0], row.body[1]);
-  // The search for an order looks at all bodies that are left, once for each.
-  count_work(bodies_.size() * bodies_.size() / 2 / WorkBudget::kMultiplications);
-  if (!body_factor_.place(most_entries)) return false;
+  connect_bodies();
+  if (!body_factor_.place(symmetric, most_entries)) return false;
   count_work(body_factor_.multiplications() / WorkBudget::kMultiplications);
   for (std::size_t i = 0; i < active_.size();) {
     const std::size_t count = rows_of_block(i).size();

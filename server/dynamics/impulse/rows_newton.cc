@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -27,6 +28,9 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kExact = 1e-3;  // share of the allowed miss below which no further step is worth it
+// Where none of the first passes comes nearer than so many times the allowed miss, the others seldom do.
+constexpr int kFirstPasses = 5;
+constexpr double kHopeless = 1e5;
 // Share of the friction radius: where the projection leads nearer to the disc's middle, it says nothing of
 // the direction in which a contact slides on.
 constexpr double kStillAlong = 0.5;
@@ -36,6 +40,12 @@ constexpr double kStillAlong = 0.5;
 void Rows::project(RowBlock& block, const std::array<double, 3>& by) {
   if (by == std::array<double, 3>{}) return;
   change(block, by);
+  projected_ = true;
+}
+
+void Rows::project_normal(RowBlock& block, double to) {
+  if (to == block.lambda[0]) return;
+  move_normal(block, to);
   projected_ = true;
 }
 
@@ -51,13 +61,13 @@ void Rows::project_contact(std::size_t index, bool keep_sliding) {
   if (is_rigid(block)) return;
   // Where the projection leads. The normal decides first; its impulse there is the radius' measure.
   const std::array<double, 3>& missing = errors_[index];
-  const double ahead = block.lambda[0] + normal_step(block, missing[0]);
+  const double ahead = next_normal(block, missing[0]);
   const bool open = !(ahead > block.low);
   const double radius = block.friction * std::max(0.0, ahead + block.base[0]);
   const double step = block.sliding_step;
   const Tangential to{block.lambda[1] + block.base[1] + step * missing[1],
                       block.lambda[2] + block.base[2] + step * missing[2]};
-  if (open) project(block, {block.low - block.lambda[0], 0.0, 0.0});
+  if (open) project_normal(block, block.low);
   if (!open) active_.push_back({index, 0});
   const double length = std::sqrt(to[0] * to[0] + to[1] * to[1]);
   const bool goes_on = keep_sliding && !open && is_on_cone(block) && length > kStillAlong * radius;
@@ -76,9 +86,9 @@ void Rows::project_contact(std::size_t index, bool keep_sliding) {
 
 void Rows::project_bounded(std::size_t index) {
   RowBlock& block = blocks_[index];
-  const double by = normal_step(block, errors_[index][0]), ahead = block.lambda[0] + by;
+  const double ahead = next_normal(block, errors_[index][0]);
   if (is_rigid(block) || ahead <= block.low || ahead >= block.high)
-    project(block, {by, 0.0, 0.0});
+    project_normal(block, ahead);
   else
     active_.push_back({index, 0});
 }
@@ -132,7 +142,7 @@ void Rows::lay_out_contacts() {
 // and leaves next to nothing to drift from tick to tick.
 double Rows::newton(const Search& by) {
   if (responses_.empty()) lay_out_contacts();
-  double best = largest_miss();
+  double best = largest_miss(), nearest = std::numeric_limits<double>::infinity();
   keep(last_);
   try {
     for (int pass = 0; pass < by.most_passes; ++pass) {
@@ -145,6 +155,8 @@ double Rows::newton(const Search& by) {
         keep(last_);
       }
       if (last || best <= kExact * by.enough) break;
+      nearest = std::min(nearest, miss);
+      if (pass + 1 == kFirstPasses && nearest > kHopeless * by.enough) break;
     }
   } catch (const WorkSpent&) {
     put_back(last_);  // a limited step starts from there

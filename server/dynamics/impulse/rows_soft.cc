@@ -29,6 +29,9 @@ constexpr double kLoose = 1e4;  // times what is enough: for a firm point that i
 // more than this share of what the one before it left with the same softness. More points are no help then,
 // so from there on a solution may leave so many times what is enough.
 constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
+// The more work the answer of free bodies that move has taken, the more may be left: so many times what is
+// enough where it becomes dear, and less by the square of the share of that work.
+constexpr double kMissWhenDear = 1000.0;
 constexpr double kNearlyFirm = 0.002;    // softness of a point that may be an inexact answer
 constexpr std::uint64_t kLessAtEnd = 4;  // divides the work that makes an answer dear
 
@@ -52,7 +55,7 @@ class Softness {
   bool note_missing() {
     if (now_ == kMost) return false;
     if (now_ < 0.5 * found_) {
-      by_ = std::sqrt(by_);
+      by_ = std::sqrt(now_ / found_);
       now_ = by_ * found_;
       return true;
     }
@@ -85,7 +88,12 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
   double left = std::numeric_limits<double>::infinity();
   Softness softness(least_softness());
   bool softened = false, near = false, creeping = false;
-  const auto allowed = [&] { return (creeping && alone ? kCreepingMiss : 1.0) * enough; };
+  const bool moves = alone && island_->dear < UINT64_MAX;
+  const auto allowed = [&] {
+    const double of_dear = static_cast<double>(work_taken() - begun_) / static_cast<double>(island_->dear);
+    const double when_dear = moves ? kMissWhenDear * of_dear * of_dear : 0.0;
+    return std::max(creeping && alone ? kCreepingMiss : 1.0, when_dear) * enough;
+  };
   double point_softness = std::numeric_limits<double>::infinity();  // of the last point that was found
   const auto is_enough = [&](std::uint64_t units) {
     return alone && point_softness <= kNearlyFirm && work_taken() - begun_ > units;
@@ -121,12 +129,14 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  if (softened && near)
+  if (softened && near && !moves)
     near = follow_firm_points(enough, allowed());
   else if (softened)
     move_centres(0.0);
-  island_->inexact = !near && is_enough(island_->dear / kLessAtEnd);
-  return near;
+  island_->inexact = near ? moves && left > kCreepingMiss * enough : is_enough(island_->dear / kLessAtEnd);
+  // A soft point may leave impulses a little beyond their bounds, where sweeps leave none.
+  if (softened && moves && (near || island_->inexact)) sweep_often(2, 0.0);
+  return near && !island_->inexact;
 }
 
 // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what the

@@ -95,10 +95,9 @@ std::vector<BodyRow> body_rows(const Lines& lines) {
 }
 
 // Rows in a row that have the same ends go into the factor together.
-VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, BodyFactor& factor) {
-  factor.start(lines.bodies, symmetric);
-  for (const auto& [a, b] : lines.ends) factor.connect(a, b);
-  EXPECT_TRUE(factor.place(100'000));
+// The bodies are connected already.
+VectorXd impulses_of_connected(const Lines& lines, bool symmetric, BodyFactor& factor) {
+  EXPECT_TRUE(factor.place(symmetric, 100'000));
   const std::vector<BodyRow> rows = body_rows(lines);
   for (std::size_t r = 0; r < rows.size();) {
     std::size_t end = r + 1;
@@ -110,6 +109,12 @@ VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, BodyFactor& fact
   VectorXd found = lines.missing;
   factor.solve(rows, {found.data(), rows.size()});
   return found;
+}
+
+VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, BodyFactor& factor) {
+  factor.start(lines.bodies);
+  for (const auto& [a, b] : lines.ends) factor.connect(a, b);
+  return impulses_of_connected(lines, symmetric, factor);
 }
 
 VectorXd impulses_by_bodies(const Lines& lines, bool symmetric, const Kernels& by = kernels()) {
@@ -152,6 +157,22 @@ TEST(BodyFactor, HasTheSameBitsWhateverItSolvedBefore) {
   const VectorXd first = impulses_by_bodies(rows, true, used);
   EXPECT_EQ(impulses_by_bodies(other, true, used), impulses_by_bodies(other, true));
   EXPECT_EQ(impulses_by_bodies(rows, true, used), first);
+}
+
+// Which rows are active changes from pass to pass, and whether they drag friction along. The bodies stay
+// connected.
+TEST(BodyFactor, TakesOtherRowsOnTheSameBodies) {
+  const Lines all = make_rows(26, square_with_hub(5), 0.05);
+  BodyFactor factor(kernels());
+  const VectorXd first = impulses_by_bodies(all, false, factor);
+  for (const double drag : {0.0, 0.05}) {
+    auto ends = square_with_hub(5);
+    ends.resize(ends.size() / 2);
+    const Lines few = make_rows(26, ends, drag);
+    const VectorXd expected = impulses_by_rows(few);
+    EXPECT_LT((impulses_of_connected(few, drag == 0.0, factor) - expected).norm(), 1e-8 * expected.norm());
+  }
+  EXPECT_EQ(impulses_of_connected(all, false, factor), first);
 }
 
 TEST(BodyFactor, HasTheSameBitsFromBothKernels) {
@@ -215,10 +236,10 @@ TEST(EnvelopeLu, KeepsTheRowsBeforeThoseThatChange) {
 TEST(BodyFactor, RefusesMoreEntriesThanItMayHave) {
   const Lines rows = make_rows(6, chain(6), 0.0);
   BodyFactor factor;
-  factor.start(rows.bodies, true);
+  factor.start(rows.bodies);
   for (const auto& [a, b] : rows.ends) factor.connect(a, b);
-  EXPECT_FALSE(factor.place(36 * 14));
-  EXPECT_TRUE(factor.place(36 * 15));  // six on the diagonal, five between neighbours, four across one
+  EXPECT_FALSE(factor.place(true, 36 * 14));
+  EXPECT_TRUE(factor.place(true, 36 * 15));  // six on the diagonal, five between neighbours, four across one
 }
 
 // A row on one body that pushes along (x, y) and measures along (1, 2).
@@ -230,8 +251,8 @@ BodyRow crooked_row(double x, double y) {
 BodyFactor one_body(const BodyRow& row) {
   static const std::vector<FreeBody> bodies{{1.0, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}}};
   BodyFactor factor;
-  factor.start(bodies, false);
-  EXPECT_TRUE(factor.place(36));
+  factor.start(bodies);
+  EXPECT_TRUE(factor.place(false, 36));
   factor.add({&row, 1});
   return factor;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 
 #include "tests/dynamics/impulse/own_island.h"
 
@@ -207,7 +208,7 @@ class FallingWall {
 // known to solve all of them.
 TEST(Rows, SolvesWallsThatFallToPieces) {
   constexpr int kWalls = 50;
-  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 5}, {1.0, 19}}) {
+  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 2}, {1.0, 8}}) {
     std::mt19937_64 random(1);
     int unsolved = 0;
     for (int i = 0; i < kWalls; ++i) {
@@ -222,26 +223,63 @@ TEST(Rows, SolvesWallsThatFallToPieces) {
   }
 }
 
-// Where an answer is dear, free bodies take one that comes near. It keeps all bounds, and says that it is not
-// exact.
+// Where an answer is dear, free bodies take one that comes near: the nearer, the less work it has taken so
+// far. It keeps all bounds, and says that it is not exact.
 TEST(Rows, TakesAnInexactAnswerWhereAnExactOneIsDear) {
   constexpr std::size_t kSide = 12;
-  constexpr std::uint64_t kDear = 5'500'000;
-  std::mt19937_64 random(1);
-  int exact = 0, inexact = 0;
-  for (int i = 0; i < 6; ++i) {
-    WorkBudget work;
-    work.start(1'000'000'000);
-    FallingWall wall(0.3, random, kSide, &work, kDear);
-    const bool solved = wall.solve();
-    ASSERT_NE(solved, wall.is_inexact()) << "wall " << i;
-    EXPECT_LT(wall.miss(), solved ? 2e-6 : 1e-2) << "wall " << i;
-    EXPECT_LE(wall.beyond(), solved ? 1e-6 : 1e-15) << "wall " << i;
-    EXPECT_LT(work.taken(), 2 * kDear) << "wall " << i;
-    ++(solved ? exact : inexact);
+  int exact = 0, inexact = 0, dear = 0;
+  for (const std::uint64_t is_dear : {2'500'000, 5'500'000, 50'000'000}) {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 6; ++i) {
+      WorkBudget work;
+      work.start(1'000'000'000);
+      FallingWall wall(0.3, random, kSide, &work, is_dear);
+      const bool solved = wall.solve(), is_soon = work.taken() < is_dear;
+      SCOPED_TRACE("dear is " + std::to_string(is_dear) + ", wall " + std::to_string(i));
+      ASSERT_NE(solved, wall.is_inexact());
+      EXPECT_LT(wall.miss(), solved ? 2e-6 : is_soon ? 2e-4 : 1e-2);
+      EXPECT_LE(wall.beyond(), solved ? 1e-6 : 1e-15);
+      EXPECT_LT(work.taken(), 2 * is_dear);
+      ++(solved ? exact : is_soon ? inexact : dear);
+    }
   }
   EXPECT_GT(exact, 0);
   EXPECT_GT(inexact, 0);
+  EXPECT_GT(dear, 0);
+}
+
+// Contacts that may take back what they gave have bounds with many digits. Whoever is led to one stands there
+// without a rounding: a contact that is a rounding away from its bound would pull again in the next pass, and
+// so on.
+TEST(Rows, StandExactlyAtTheirBounds) {
+  constexpr std::uint64_t kMostWork = 600;  // of one cube. They take 108 in the mean, and up to 321.
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  int released = 0, held = 0;
+  for (int i = 0; i < 1000; ++i) {
+    WorkBudget work;
+    work.start(1'000'000'000);
+    Rows rows(kernels(), &work);
+    OwnIsland own;
+    add_cube(own, rows, 3, 0.5, random);
+    for (RowBlock& block : own.blocks) {
+      block.base[0] = 0.2 * any(random);
+      block.low = -block.base[0];
+      block.lambda[0] = 0.1 * any(random);
+    }
+    own.prepare(rows);
+    own.solve(rows, 200);
+    ASSERT_TRUE(own.is_solved()) << "cube " << i;
+    for (const RowBlock& block : own.blocks) {
+      if (std::abs(block.lambda[0] - block.low) < 1e-9) {
+        EXPECT_EQ(block.lambda[0], block.low) << "cube " << i;
+      }
+      ++(block.lambda[0] == block.low ? released : held);
+    }
+    EXPECT_LT(work.taken(), kMostWork) << "cube " << i;
+  }
+  EXPECT_GT(released, 30);
+  EXPECT_GT(held, 30);
 }
 
 }  // namespace

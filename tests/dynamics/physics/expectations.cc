@@ -216,6 +216,7 @@ const std::vector<Line> kLines{
     {"K17", {{{5e-6}, {}, {}, {5e-6}, {}, {5e-4}}}},
     {"K18", {{{2e-12, 1e-6}, {}, {}, {3e-11, 1e-6}, {4e-6, 2e-5}, {2e-4, 2e-5}}}},
     {"K18l", {{{1e-6, 5e-6}, {}, {}, {}, {}, {1e-2, 1e-4}}}},
+    {"K18k", {{{1e-6, 5e-6}, {}, {}, {}, {}, {}}}},
     {"K19", {{{8e-6}, {}, {}, {8e-6}, {1e-5}, {4e-4}}}},
     {"K20", {{{0, 1e-3, 2e-3}, {}, {}, {0, 2e-3, 2e-3}, {0, 2e-4, 2e-4}, {0, 1.5e-4, 2e-4}}}},
     {"K21", {{{6e-5, 0}, {}, {}, {6e-5, 0}, {1.5e-4, 0}, {1.5e-4, 0}}}},
@@ -311,6 +312,7 @@ std::string why_not(const std::string& id, const std::string& row) {
   if (id == "L2" || id == "L4") return "has no springs";
   if (find_case(id).takes_long && row == "impulse-iterate")
     return "minutes of computing; a shorter case of the same letter shows it";
+  if (id == "K18k") return "minutes of computing; K18l shows it";
   if ((id.starts_with("K17") || id == "K18l") && row == "ode") return "more than a minute of computing";
   if (id.starts_with("G1l") && row == "ode")
     return "more than three minutes of computing; G1 and G1c show it";

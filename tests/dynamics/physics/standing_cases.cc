@@ -1,4 +1,4 @@
-// K17 to K21: walls, piles, a house of cards, dominoes, a tippe top.
+// K17 to K22: walls, piles, a house of cards, dominoes, a tippe top.
 #include <algorithm>
 #include <cmath>
 
@@ -68,6 +68,10 @@ std::vector<double> settle(const world::EngineSetting& engine) {
 }
 std::vector<double> settle_as_a_large_pile(const world::EngineSetting& engine) {
   return settle_as_a_pile(engine, 100, 10.0);
+}
+// Towers are left in it that rock for twenty seconds.
+std::vector<double> settle_as_a_huge_pile(const world::EngineSetting& engine) {
+  return settle_as_a_pile(engine, 1000, 40.0);
 }
 
 // A tall block rocks from edge to edge. With a the angle from its axis to an edge, each landing leaves it
@@ -204,6 +208,12 @@ std::vector<Case> standing_cases() {
        rest,
        {{"speed_m_per_s", 1e-6}, {"depth_m", 1e-4}},
        settle_as_a_large_pile,
+       true},
+      {"K18k",
+       "PileOf1000Settles",
+       rest,
+       {{"speed_m_per_s", 1e-6}, {"depth_m", 1e-4}},
+       settle_as_a_huge_pile,
        true},
       {"K19", "HouseOfSevenCardsStands", still, {{"moved_m", 1e-5}}, stand_as_a_house},
       {"K20",
