@@ -135,7 +135,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     move_centres(0.0);
   island_->inexact = near ? moves && left > kCreepingMiss * enough : is_enough(island_->dear / kLessAtEnd);
   // A soft point may leave impulses a little beyond their bounds, where sweeps leave none.
-  if (softened && moves && (near || island_->inexact)) sweep_often(2, 0.0);
+  if (island_->inexact || (near && softened && moves)) sweep_often(2, 0.0);
   return near && !island_->inexact;
 }
 
