@@ -65,7 +65,8 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   system_ = {blocks_, velocities_, bodies_, responses_};
   system_.calm = is_calm();
   // Errors of rest would add up, so what stands is solved exactly.
-  if (moment != kHit && !stands()) system_.dear = plant_.work.limit() / kDearShare;
+  system_.moves = moment != kHit && !stands();
+  system_.dear = std::max<std::uint64_t>(1, plant_.work.limit() / kDearShare);
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);

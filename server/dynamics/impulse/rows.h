@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -29,10 +30,13 @@ struct RowIsland {
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
   bool solved = false;                // the last solve() left no more than allowed, where it looked last
-  std::uint64_t dear = UINT64_MAX;    // work since prepare() after which free bodies take an inexact answer
-  bool inexact = false;               // the last solve() took one
-  bool changed = false;               // the last solve() has changed the velocities
-  std::uint64_t sweep_units = 0;      // work of one sweep, since prepare()
+  // Free bodies that move take an inexact answer where an exact one is dear: after so much work since
+  // prepare(), and one that is the nearer, the less work was taken before (rows_soft.cc).
+  bool moves = false;
+  std::uint64_t dear = UINT64_MAX;
+  bool inexact = false;           // the last solve() took one
+  bool changed = false;           // the last solve() has changed the velocities
+  std::uint64_t sweep_units = 0;  // work of one sweep, since prepare()
 };
 
 // Solves an island of rows with bounds. Order of calls: fill an island, prepare(), then solve() any number of
@@ -60,10 +64,10 @@ class Rows {
   // must stay valid; nothing is kept of the one before.
   void prepare(RowIsland& island);
   // Finds the impulses; velocities and `applied` follow. Stops when no row misses more than `least` (m/s or
-  // rad/s), or more than `share` of the island's largest change; free bodies that are jammed may miss ten
-  // times that (rows_soft.cc), and what comes near an answer may be taken if an exact one is dear
-  // (RowIsland). Returns the largest miss at the start, or of the first sweep. Does nothing if
-  // the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
+  // rad/s), or more than `share` of the island's largest change; free bodies that are jammed, or that move
+  // after much work, may miss ten times that (rows_soft.cc), and what comes near an answer may be taken if an
+  // exact one is dear (RowIsland). Returns the largest miss at the start, or of the first sweep. Does nothing
+  // if the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
   void soften(double share);
@@ -91,6 +95,7 @@ class Rows {
   static constexpr int kMostSteps = 8;            // of solve_active()
   static constexpr std::size_t kPerResponse = 4;  // units to find one entry of the matrix
   static constexpr int kMostNewtonPasses = 8;
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
   // The active rows begin..end-1 of one block. `drags`: a normal of them drags friction along.
   struct Group {
     std::size_t begin, end;
@@ -241,7 +246,8 @@ class Rows {
     // The start is near the answer: what slides there still slides in the first step, for which the kept
     // factor will do.
     bool near = false;
-    double loose = 1.0;  // a step that leaves no more than so many times `enough` is the last
+    double loose = 1.0;        // a step that leaves no more than so many times `enough` is the last
+    double hopeless = kNever;  // ends after a few passes where each has left more than this
   };
   double newton(const Search& by);
   // One step, from where largest_miss() has looked last. Returns false where the system has no factor.

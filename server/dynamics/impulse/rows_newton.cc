@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "server/dynamics/impulse/friction_cone.h"
 #include "server/dynamics/impulse/rows.h"
@@ -28,9 +27,7 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kExact = 1e-3;  // share of the allowed miss below which no further step is worth it
-// Where none of the first passes comes nearer than so many times the allowed miss, the others seldom do.
-constexpr int kFirstPasses = 5;
-constexpr double kHopeless = 1e5;
+constexpr int kFirstPasses = 5;  // where all of them are hopeless, the others seldom come near
 // Share of the friction radius: where the projection leads nearer to the disc's middle, it says nothing of
 // the direction in which a contact slides on.
 constexpr double kStillAlong = 0.5;
@@ -142,7 +139,7 @@ void Rows::lay_out_contacts() {
 // and leaves next to nothing to drift from tick to tick.
 double Rows::newton(const Search& by) {
   if (responses_.empty()) lay_out_contacts();
-  double best = largest_miss(), nearest = std::numeric_limits<double>::infinity();
+  double best = largest_miss(), nearest = kNever;
   keep(last_);
   try {
     for (int pass = 0; pass < by.most_passes; ++pass) {
@@ -156,7 +153,7 @@ double Rows::newton(const Search& by) {
       }
       if (last || best <= kExact * by.enough) break;
       nearest = std::min(nearest, miss);
-      if (pass + 1 == kFirstPasses && nearest > kHopeless * by.enough) break;
+      if (pass + 1 == kFirstPasses && nearest > by.hopeless) break;
     }
   } catch (const WorkSpent&) {
     put_back(last_);  // a limited step starts from there

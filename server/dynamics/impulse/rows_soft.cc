@@ -7,9 +7,10 @@
 // softness before it has left.
 //
 // Thousands of bodies that fall on each other may need more work than a tick may take (work_budget.h), and
-// what a limited step then finds is far from an answer. So free bodies whose solution has cost a good part of
-// that take a point that is nearly firm for their answer. Where soft points end without an answer, less is
-// enough: the methods that would follow take several times as long, and seldom find more.
+// what a limited step then finds is far from an answer. So free bodies that move may miss the more, the more
+// work their solution has cost, and once that is a good part of a tick's, they take a point that is nearly
+// firm for their answer. Where soft points end without an answer, less is enough: the methods that would
+// follow take several times as long, and seldom find more.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,17 +28,20 @@ constexpr double kInexact = 0.3;
 constexpr double kLoose = 1e4;  // times what is enough: for a firm point that is found at once
 // Impulses creep from point to point where contacts repeat each other or bodies are jammed: a point leaves
 // more than this share of what the one before it left with the same softness. More points are no help then,
-// so from there on a solution may leave so many times what is enough.
-constexpr double kCreeping = 0.5, kCreepingMiss = 10.0;
-// The more work the answer of free bodies that move has taken, the more may be left: so many times what is
-// enough where it becomes dear, and less by the square of the share of that work.
+// so from there on a solution may leave kMostSolved times what is enough, and still counts as solved.
+constexpr double kCreeping = 0.5, kMostSolved = 10.0;
+// How much may be left of the answer of free bodies that move: so many times what is enough where it becomes
+// dear, and before that less by the square of the share of that work.
 constexpr double kMissWhenDear = 1000.0;
+// A firm point is given up after a few passes where none comes nearer than so many times what is enough.
+constexpr double kHopeless = 1e5;
 constexpr double kNearlyFirm = 0.002;    // softness of a point that may be an inexact answer
 constexpr std::uint64_t kLessAtEnd = 4;  // divides the work that makes an answer dear
 
 // Softness from point to point, as a share of the rows' responses. The first is the least; where that point
-// is not found, it begins with kSoft and falls to kFirm, and from there to the least; by smaller steps after
-// a point that is not found.
+// is not found, it begins with kSoft and falls to kFirm, and from there to the least. After a point that is
+// not found it falls by smaller steps, and stays where it is between kFirm and the least: to try the least
+// again and again takes more work than the points that this saves.
 class Softness {
  public:
   explicit Softness(double least) : least_(least), now_(least) {}
@@ -83,24 +87,23 @@ int Rows::most_soft_passes() const {
 }
 
 bool Rows::follow_soft_points(double missed, double least, double share) {
-  const bool alone = responses_.empty();
+  const bool alone = responses_.empty(), moves = alone && island_->moves;
   double enough = std::max(least, share * note_change());
   double left = std::numeric_limits<double>::infinity();
   Softness softness(least_softness());
   bool softened = false, near = false, creeping = false;
-  const bool moves = alone && island_->dear < UINT64_MAX;
   const auto allowed = [&] {
     const double of_dear = static_cast<double>(work_taken() - begun_) / static_cast<double>(island_->dear);
     const double when_dear = moves ? kMissWhenDear * of_dear * of_dear : 0.0;
-    return std::max(creeping && alone ? kCreepingMiss : 1.0, when_dear) * enough;
+    return std::max(creeping && alone ? kMostSolved : 1.0, when_dear) * enough;
   };
   double point_softness = std::numeric_limits<double>::infinity();  // of the last point that was found
-  const auto is_enough = [&](std::uint64_t units) {
-    return alone && point_softness <= kNearlyFirm && work_taken() - begun_ > units;
+  const auto will_do = [&](std::uint64_t units) {
+    return moves && point_softness <= kNearlyFirm && work_taken() - begun_ > units;
   };
   int failures = 0;
   for (int point = 0; point < kMostSoftPoints && !near && failures < kMostFailures; ++point) {
-    if (is_enough(island_->dear)) break;
+    if (will_do(island_->dear)) break;
     softened = !softness.is_least();
     hold_softly(softness.now());
     move_centres(softened ? softness.now() : 0.0);
@@ -113,7 +116,8 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
                                 .most_passes = most_soft_passes(),
                                 .exact = !softened,
                                 .near = point_softness == softness.now(),
-                                .loose = loose});
+                                .loose = loose,
+                                .hopeless = enough > least ? kHopeless * enough : kNever});
     if (!(miss <= loose * goal)) {
       put_back(start_);
       ++failures;
@@ -125,18 +129,19 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
     point_softness = softness.now();
-    near = miss <= goal && left <= allowed();
+    // Where no firm point follows, what this one misses is left as well.
+    near = miss <= goal && left + (moves ? miss : 0.0) <= allowed();
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  if (softened && near && !moves)
-    near = follow_firm_points(enough, allowed());
-  else if (softened)
-    move_centres(0.0);
-  island_->inexact = near ? moves && left > kCreepingMiss * enough : is_enough(island_->dear / kLessAtEnd);
-  // A soft point may leave impulses a little beyond their bounds, where sweeps leave none.
-  if (island_->inexact || (near && softened && moves)) sweep_often(2, 0.0);
-  return near && !island_->inexact;
+  if (near && softened && !moves) return follow_firm_points(enough, allowed());
+  move_centres(0.0);
+  if (near && !softened && left <= kMostSolved * enough) return true;
+  if (!(moves && near) && !will_do(island_->dear / kLessAtEnd)) return false;
+  // Newton's last step may leave impulses a little beyond their bounds, where sweeps leave none.
+  sweep_often(2, 0.0);
+  island_->inexact = !(near && largest_miss() <= kMostSolved * enough);
+  return !island_->inexact;
 }
 
 // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what the

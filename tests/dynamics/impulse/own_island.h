@@ -25,7 +25,10 @@ struct OwnIsland {
   bool is_solved() const { return island.solved; }
   bool is_inexact() const { return island.inexact; }
   void set_calm() { island.calm = true; }
-  void set_dear(std::uint64_t units) { island.dear = units; }
+  void set_dear(std::uint64_t units) {
+    island.moves = true;
+    island.dear = units;
+  }
   double largest_change() const { return island.largest_change; }
   // Largest difference between the impulses and those that the velocities ask for, m/s.
   double miss() const {

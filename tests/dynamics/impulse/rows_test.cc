@@ -55,14 +55,46 @@ TEST(Rows, OnlyWhatIsLedToItsBoundStopsThere) {
   EXPECT_NEAR(own.blocks[2].lambda[0], -0.3, 1e-5);
 }
 
+constexpr double kCubeInertia = 4.0 * kHalf * kHalf / 6.0;  // kg m², of a cube
+
+// A cube of 1 kg that moves and spins.
+void add_body(OwnIsland& own, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  own.bodies.push_back({1.0, {kCubeInertia, 0.0, 0.0, 0.0, kCubeInertia, 0.0, 0.0, 0.0, kCubeInertia}});
+  for (int j = 0; j < 6; ++j) own.velocities.push_back(any(random) * (j < 3 ? 10.0 : 0.5));
+}
+
+// Four contacts of the first body above or beside the second, or on the plane.
+void touch(OwnIsland& own, const Rows& rows, double friction, std::vector<std::size_t> bodies,
+           const Vector3d& normal) {
+  const Vector3d aside = Vector3d::UnitY(), along = aside.cross(normal);
+  Matrix3d frame;
+  frame << normal, along, aside;
+  const Matrix3d inverse = Matrix3d::Identity() / kCubeInertia;
+  for (int k = 0; k < 4; ++k) {
+    RowBlock block;
+    block.kind = RowBlock::Kind::kContact;
+    block.dim = 3;
+    block.end_count = bodies.size();
+    block.friction = friction;
+    block.free_response = static_cast<double>(bodies.size());
+    block.gives = true;
+    const Vector3d corner = (k % 2 == 0 ? kHalf : -kHalf) * aside + (k < 2 ? kHalf : -kHalf) * along;
+    for (std::size_t e = 0; e < bodies.size(); ++e) {
+      block.ends[e].offset = 6 * bodies[e];
+      const Vector3d lever = corner + (e == 0 ? -kHalf : kHalf) * normal;
+      rows.respond_at_point(block, block.ends[e], frame.data(), lever.data(), e == 0 ? 1.0 : -1.0,
+                            inverse.data(), 1.0);
+    }
+    own.blocks.push_back(block);
+  }
+}
+
 // A cube of 1 kg that hits the plane with some of its corners while it slides and spins.
 void add_cube(OwnIsland& own, const Rows& rows, int corners, double friction, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
-  constexpr double kInertia = 4.0 * kHalf * kHalf / 6.0;
-  const Matrix3d inertia = kInertia * Matrix3d::Identity(), inverse = inertia.inverse();
+  const Matrix3d inverse = Matrix3d::Identity() / kCubeInertia;
   const std::size_t offset = own.velocities.size();
-  own.bodies.push_back({1.0, {kInertia, 0.0, 0.0, 0.0, kInertia, 0.0, 0.0, 0.0, kInertia}});
-  for (int j = 0; j < 6; ++j) own.velocities.push_back(any(random) * (j < 3 ? 10.0 : 0.5));
+  add_body(own, random);
   own.velocities.back() -= 0.3;
   const Matrix3d frame{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}};
   for (int k = 0; k < corners; ++k) {
@@ -132,6 +164,31 @@ TEST(Rows, IslandsInTurnHaveTheBitsOfEachAlone) {
   }
 }
 
+// Bodies in a row, and the same ones around the first: which bodies meet, and so the order in which they are
+// eliminated, is found anew for each island.
+TEST(Rows, IslandsInTurnHaveTheirOwnOrder) {
+  constexpr std::size_t kBodies = 6;
+  Rows shared;
+  std::array<OwnIsland, 2> islands;
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    for (std::size_t k = 0; k < kBodies; ++k) add_body(islands[i], random);
+    for (std::size_t k = 1; k < kBodies; ++k)
+      touch(islands[i], shared, 0.5, {k, i == 0 ? k - 1 : 0}, Vector3d::UnitZ());
+  }
+  for (const std::size_t i : {0, 1, 0, 1, 1}) {
+    OwnIsland in_turn = islands[i], alone = islands[i];
+    Rows own;
+    in_turn.prepare(shared);
+    alone.prepare(own);
+    in_turn.solve(shared, 200);
+    alone.solve(own, 200);
+    ASSERT_TRUE(alone.is_solved());
+    EXPECT_LT(alone.miss() / alone.largest_change(), 2e-6) << "island " << i;
+    EXPECT_EQ(in_turn.velocities, alone.velocities) << "island " << i;
+  }
+}
+
 // A wall of cubes of 1 kg that stands on a plane, each with four contacts to each neighbour, while every cube
 // moves another way.
 class FallingWall {
@@ -140,18 +197,14 @@ class FallingWall {
   FallingWall(double friction, std::mt19937_64& random, std::size_t side = 4, WorkBudget* work = nullptr,
               std::uint64_t dear = UINT64_MAX)
       : friction_(friction), rows_(kernels(), work) {
-    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    for (std::size_t i = 0; i < side * side; ++i) add_body(own_, random);
     for (std::size_t i = 0; i < side * side; ++i) {
-      own_.bodies.push_back({1.0, {kInertia, 0.0, 0.0, 0.0, kInertia, 0.0, 0.0, 0.0, kInertia}});
-      for (int j = 0; j < 6; ++j) own_.velocities.push_back(any(random) * (j < 3 ? 10.0 : 0.5));
-    }
-    for (std::size_t i = 0; i < side * side; ++i) {
-      if (i < side) touch({i}, Vector3d::UnitZ());
-      if (i + side < side * side) touch({i + side, i}, Vector3d::UnitZ());
-      if (i % side + 1 < side) touch({i + 1, i}, Vector3d::UnitX());
+      if (i < side) touch(own_, rows_, friction, {i}, Vector3d::UnitZ());
+      if (i + side < side * side) touch(own_, rows_, friction, {i + side, i}, Vector3d::UnitZ());
+      if (i % side + 1 < side) touch(own_, rows_, friction, {i + 1, i}, Vector3d::UnitX());
     }
     own_.prepare(rows_);
-    own_.set_dear(dear);
+    if (dear != UINT64_MAX) own_.set_dear(dear);
   }
 
   bool solve() {
@@ -172,33 +225,6 @@ class FallingWall {
   }
 
  private:
-  static constexpr double kInertia = 4.0 * kHalf * kHalf / 6.0;
-
-  // Four contacts of the first body above or beside the second, or on the plane.
-  void touch(std::vector<std::size_t> bodies, const Vector3d& normal) {
-    const Vector3d aside = Vector3d::UnitY(), along = aside.cross(normal);
-    Matrix3d frame;
-    frame << normal, along, aside;
-    const Matrix3d inverse = Matrix3d::Identity() / kInertia;
-    for (int k = 0; k < 4; ++k) {
-      RowBlock block;
-      block.kind = RowBlock::Kind::kContact;
-      block.dim = 3;
-      block.end_count = bodies.size();
-      block.friction = friction_;
-      block.free_response = static_cast<double>(bodies.size());
-      block.gives = true;
-      const Vector3d corner = (k % 2 == 0 ? kHalf : -kHalf) * aside + (k < 2 ? kHalf : -kHalf) * along;
-      for (std::size_t e = 0; e < bodies.size(); ++e) {
-        block.ends[e].offset = 6 * bodies[e];
-        const Vector3d lever = corner + (e == 0 ? -kHalf : kHalf) * normal;
-        rows_.respond_at_point(block, block.ends[e], frame.data(), lever.data(), e == 0 ? 1.0 : -1.0,
-                               inverse.data(), 1.0);
-      }
-      own_.blocks.push_back(block);
-    }
-  }
-
   double friction_;
   OwnIsland own_;
   Rows rows_;
@@ -208,7 +234,7 @@ class FallingWall {
 // known to solve all of them.
 TEST(Rows, SolvesWallsThatFallToPieces) {
   constexpr int kWalls = 50;
-  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 2}, {1.0, 8}}) {
+  for (const auto& [friction, most] : {std::pair{0.0, 0}, {0.5, 0}, {1.0, 11}}) {
     std::mt19937_64 random(1);
     int unsolved = 0;
     for (int i = 0; i < kWalls; ++i) {
@@ -228,7 +254,7 @@ TEST(Rows, SolvesWallsThatFallToPieces) {
 TEST(Rows, TakesAnInexactAnswerWhereAnExactOneIsDear) {
   constexpr std::size_t kSide = 12;
   int exact = 0, inexact = 0, dear = 0;
-  for (const std::uint64_t is_dear : {2'500'000, 5'500'000, 50'000'000}) {
+  for (const std::uint64_t is_dear : {2'500'000, 5'500'000, 500'000'000}) {
     std::mt19937_64 random(1);
     for (int i = 0; i < 6; ++i) {
       WorkBudget work;
@@ -237,7 +263,7 @@ TEST(Rows, TakesAnInexactAnswerWhereAnExactOneIsDear) {
       const bool solved = wall.solve(), is_soon = work.taken() < is_dear;
       SCOPED_TRACE("dear is " + std::to_string(is_dear) + ", wall " + std::to_string(i));
       ASSERT_NE(solved, wall.is_inexact());
-      EXPECT_LT(wall.miss(), solved ? 2e-6 : is_soon ? 2e-4 : 1e-2);
+      EXPECT_LT(wall.miss(), solved ? 1.1e-6 : is_soon ? 2e-4 : 1e-2);
       EXPECT_LE(wall.beyond(), solved ? 1e-6 : 1e-15);
       EXPECT_LT(work.taken(), 2 * is_dear);
       ++(solved ? exact : is_soon ? inexact : dear);
@@ -248,38 +274,98 @@ TEST(Rows, TakesAnInexactAnswerWhereAnExactOneIsDear) {
   EXPECT_GT(dear, 0);
 }
 
-// Contacts that may take back what they gave have bounds with many digits. Whoever is led to one stands there
-// without a rounding: a contact that is a rounding away from its bound would pull again in the next pass, and
-// so on.
-TEST(Rows, StandExactlyAtTheirBounds) {
+// Contacts that may take back what they gave have bounds with many digits.
+void set_bounds(OwnIsland& own, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  for (RowBlock& block : own.blocks) {
+    block.base[0] = 0.2 * any(random);
+    block.low = -block.base[0];
+    block.lambda[0] = 0.1 * any(random);
+  }
+}
+
+// How many of the island's first rows are at their lower bound. None may be a rounding away from it.
+int count_at_bound(const OwnIsland& own) {
+  int at_bound = 0;
+  for (const RowBlock& block : own.blocks) {
+    if (std::abs(block.lambda[0] - block.low) < 1e-9) {
+      EXPECT_EQ(block.lambda[0], block.low);
+      ++at_bound;
+    }
+  }
+  return at_bound;
+}
+
+// A contact that is a rounding above its bound would count as one within its bounds, and pull in every pass
+// of Newton's method.
+TEST(Rows, NewtonLetsContactsGo) {
   constexpr std::uint64_t kMostWork = 600;  // of one cube. They take 108 in the mean, and up to 321.
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> any(0.0, 1.0);
-  int released = 0, held = 0;
+  int released = 0;
   for (int i = 0; i < 1000; ++i) {
     WorkBudget work;
     work.start(1'000'000'000);
     Rows rows(kernels(), &work);
     OwnIsland own;
     add_cube(own, rows, 3, 0.5, random);
-    for (RowBlock& block : own.blocks) {
-      block.base[0] = 0.2 * any(random);
-      block.low = -block.base[0];
-      block.lambda[0] = 0.1 * any(random);
-    }
+    set_bounds(own, random);
     own.prepare(rows);
     own.solve(rows, 200);
     ASSERT_TRUE(own.is_solved()) << "cube " << i;
-    for (const RowBlock& block : own.blocks) {
-      if (std::abs(block.lambda[0] - block.low) < 1e-9) {
-        EXPECT_EQ(block.lambda[0], block.low) << "cube " << i;
-      }
-      ++(block.lambda[0] == block.low ? released : held);
-    }
     EXPECT_LT(work.taken(), kMostWork) << "cube " << i;
+    released += count_at_bound(own);
+  }
+  EXPECT_GT(released, 100);
+}
+
+TEST(Rows, SweepsStopExactlyAtBounds) {
+  std::mt19937_64 random(1);
+  int released = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Rows rows;
+    OwnIsland own;
+    add_cube(own, rows, 1, 0.5, random);
+    set_bounds(own, random);
+    own.prepare(rows);
+    rows.sweep_gently(1);
+    released += count_at_bound(own);
   }
   EXPECT_GT(released, 30);
-  EXPECT_GT(held, 30);
+}
+
+// Three stops of a mechanism, which is driven against them.
+TEST(Rows, ActiveRowsStopExactlyAtBounds) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  int stopped = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Rows rows;
+    OwnIsland own;
+    Matrix3d some;
+    for (int k = 0; k < 9; ++k) some(k / 3, k % 3) = any(random);
+    const Matrix3d response = some * some.transpose() + 0.1 * Matrix3d::Identity();
+    own.responses.assign(response.data(), response.data() + 9);
+    for (std::size_t k = 0; k < 3; ++k) {
+      RowBlock block;
+      block.low = -std::abs(any(random));
+      block.high = std::numeric_limits<double>::infinity();
+      block.target[0] = any(random);
+      block.free_response = response(static_cast<int>(k), static_cast<int>(k));
+      block.lambda[0] = 0.1;
+      block.end_count = 1;
+      block.ends[0].free = false;
+      block.ends[0].first = k;
+      block.ends[0].size = 3;
+      own.blocks.push_back(block);
+      own.velocities.push_back(any(random));
+    }
+    own.prepare(rows);
+    own.set_calm();
+    own.solve(rows, 200);
+    ASSERT_TRUE(own.is_solved()) << "mechanism " << i;
+    stopped += count_at_bound(own);
+  }
+  EXPECT_GT(stopped, 100);
 }
 
 }  // namespace
