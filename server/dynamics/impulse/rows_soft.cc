@@ -129,19 +129,20 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
     point_softness = softness.now();
-    // Where no firm point follows, what this one misses is left as well.
-    near = miss <= goal && left + (moves ? miss : 0.0) <= allowed();
+    near = miss <= goal && left <= allowed();
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  if (near && softened && !moves) return follow_firm_points(enough, allowed());
+  const bool is_exact = near && (softened ? allowed() : left) <= kMostSolved * enough;
+  keep(start_);
+  if (is_exact && (!softened || follow_firm_points(enough, allowed()))) return true;
+  if (near && moves) put_back(start_);
   move_centres(0.0);
-  if (near && !softened && left <= kMostSolved * enough) return true;
-  if (!(moves && near) && !will_do(island_->dear / kLessAtEnd)) return false;
+  if (!(near && moves) && !will_do(island_->dear / kLessAtEnd)) return false;
   // Newton's last step may leave impulses a little beyond their bounds, where sweeps leave none.
   sweep_often(2, 0.0);
-  island_->inexact = !(near && largest_miss() <= kMostSolved * enough);
-  return !island_->inexact;
+  island_->inexact = true;
+  return false;
 }
 
 // Errors of rest add up from tick to tick, so the last points have the least softness. Each takes up what the
