@@ -137,7 +137,7 @@ void Rows::change(RowBlock& block, const std::array<double, 3>& by) {
 
 void Rows::move_normal(RowBlock& block, double to) {
   change(block, {to - block.lambda[0], 0.0, 0.0});
-  set_normal(block, to);
+  block.lambda[0] = block.applied[0] = to;
 }
 
 // The miss of a row's equation: target - u - k lambda - s (lambda - c).

@@ -160,11 +160,9 @@ class Rows {
   void push(const RowBlock& block, const std::array<double, 3>& by);
   // Adds impulses to the velocities, to lambda and to applied.
   void change(RowBlock& block, const std::array<double, 3>& by);
-  // The same for a block's first row, to `to`.
+  // The same for a block's first row, which stands at `to` then without a rounding: whether a row is at its
+  // bound is asked exactly.
   void move_normal(RowBlock& block, double to);
-  // After a change: the first row stands at `to` without a rounding. Whether it is at its bound is asked
-  // exactly.
-  static void set_normal(RowBlock& block, double to) { block.lambda[0] = block.applied[0] = to; }
   // Puts the starting impulses into the velocities, and the proximal points there. Returns whether any
   // velocity has changed.
   bool start();
@@ -319,7 +317,6 @@ class Rows {
   std::vector<double> missing_;
   std::vector<std::array<double, 3>> steps_;  // by block: change of impulse
   std::vector<Shares> shares_;                // by block: how much of steps_ fits
-  std::vector<double> normals_;               // by block: where steps_ leads its first row
   ContactLanes contact_lanes_;
   // By block: what the rows miss, where largest_miss() or find_missing() has looked last.
   std::vector<std::array<double, 3>> errors_;

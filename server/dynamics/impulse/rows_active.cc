@@ -353,7 +353,6 @@ bool Rows::step_active() {
     share = std::min({share, shares_[k].first, shares_[k].tangents});
   }
   const auto stops = [&](double own) { return own < 1.0 && own <= share + kAtBound; };
-  normals_.resize(blocks_.size());
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
     RowBlock& block = blocks_[k];
     std::array<double, 3> next = block.lambda;
@@ -366,12 +365,8 @@ bool Rows::step_active() {
     const double pressing = twists ? std::max(0.0, pressure(block) + steps_[block.contact][0]) : 0.0;
     const std::array<double, 3> allowed = within_bounds(block, next, pressing);
     for (std::size_t i = 0; i < 3; ++i) steps_[k][i] = allowed[i] - block.lambda[i];
-    normals_[k] = allowed[0];
   }
-  for (std::size_t k = 0; k < blocks_.size(); ++k) {
-    change(blocks_[k], steps_[k]);
-    set_normal(blocks_[k], normals_[k]);
-  }
+  for (std::size_t k = 0; k < blocks_.size(); ++k) change(blocks_[k], steps_[k]);
   return share == 1.0;
 }
 

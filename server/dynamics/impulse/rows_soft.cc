@@ -31,9 +31,9 @@ constexpr double kLoose = 1e4;  // times what is enough: for a firm point that i
 // so from there on a solution may leave kMostSolved times what is enough, and still counts as solved.
 constexpr double kCreeping = 0.5, kMostSolved = 10.0;
 // How much may be left of the answer of free bodies that move: so many times what is enough where it becomes
-// dear, and before that less by the square of the share of that work.
+// dear, and before and after that in proportion to the square of the work.
 constexpr double kMissWhenDear = 1000.0;
-// A firm point is given up after a few passes where none comes nearer than so many times what is enough.
+// A point is given up after a few passes where none comes nearer than so many times what is enough.
 constexpr double kHopeless = 1e5;
 constexpr double kNearlyFirm = 0.002;    // softness of a point that may be an inexact answer
 constexpr std::uint64_t kLessAtEnd = 4;  // divides the work that makes an answer dear
@@ -117,7 +117,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
                                 .exact = !softened,
                                 .near = point_softness == softness.now(),
                                 .loose = loose,
-                                .hopeless = enough > least ? kHopeless * enough : kNever});
+                                .hopeless = enough > least ? std::max(goal, kHopeless * enough) : kNever});
     if (!(miss <= loose * goal)) {
       put_back(start_);
       ++failures;
@@ -129,13 +129,14 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
     point_softness = softness.now();
-    near = miss <= goal && left <= allowed();
+    // Of an exact answer the firm points find the rest; an inexact one stays as it is.
+    near = miss <= goal && left <= allowed() && (left <= kMostSolved * enough || miss <= allowed());
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  const bool is_exact = near && (softened ? allowed() : left) <= kMostSolved * enough;
+  const double most_solved = std::min(allowed(), kMostSolved * enough);
   keep(start_);
-  if (is_exact && (!softened || follow_firm_points(enough, allowed()))) return true;
+  if (near && left <= most_solved && (!softened || follow_firm_points(enough, most_solved))) return true;
   if (near && moves) put_back(start_);
   move_centres(0.0);
   if (!(near && moves) && !will_do(island_->dear / kLessAtEnd)) return false;

@@ -162,17 +162,17 @@ TEST(BodyFactor, HasTheSameBitsWhateverItSolvedBefore) {
 // Which rows are active changes from pass to pass, and whether they drag friction along. The bodies stay
 // connected.
 TEST(BodyFactor, TakesOtherRowsOnTheSameBodies) {
-  const Lines all = make_rows(26, square_with_hub(5), 0.05);
+  const Lines all = make_rows(26, square_with_hub(5), 0.0);
   BodyFactor factor(kernels());
-  const VectorXd first = impulses_by_bodies(all, false, factor);
-  for (const double drag : {0.0, 0.05}) {
+  const VectorXd first = impulses_by_bodies(all, true, factor);
+  for (const double drag : {0.05, 0.0}) {
     auto ends = square_with_hub(5);
     ends.resize(ends.size() / 2);
     const Lines few = make_rows(26, ends, drag);
     const VectorXd expected = impulses_by_rows(few);
     EXPECT_LT((impulses_of_connected(few, drag == 0.0, factor) - expected).norm(), 1e-8 * expected.norm());
   }
-  EXPECT_EQ(impulses_of_connected(all, false, factor), first);
+  EXPECT_EQ(impulses_of_connected(all, true, factor), first);
 }
 
 TEST(BodyFactor, HasTheSameBitsFromBothKernels) {
