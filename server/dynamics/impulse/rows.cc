@@ -147,7 +147,7 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-// Of a row that nothing can move. A drive gives what it may against what it misses; a stop gives nothing.
+// Nothing can move this row. A drive gives what it may against what it misses; a stop gives nothing.
 double Rows::next_of_rigid(const RowBlock& block, double error) const {
   const double now = block.lambda[0];
   if (block.kind != RowBlock::Kind::kBounded) return now;

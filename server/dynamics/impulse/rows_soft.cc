@@ -129,7 +129,7 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
     point_softness = softness.now();
-    // Of an exact answer the firm points find the rest; an inexact one stays as it is.
+    // Firm points find what an exact answer still misses; an inexact one stays as it is.
     near = miss <= goal && left <= allowed() && (left <= kMostSolved * enough || miss <= allowed());
     if (!near) softness.note_found();
   }
