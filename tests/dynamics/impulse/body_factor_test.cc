@@ -159,7 +159,8 @@ TEST(BodyFactor, HasTheSameBitsWhateverItSolvedBefore) {
   EXPECT_EQ(impulses_by_bodies(rows, true, used), first);
 }
 
-// Other rows are active in each pass, and some drag friction along or no longer do. The bodies stay connected.
+// Other rows are active in each pass, and some drag friction along or no longer do. The bodies stay
+// connected.
 TEST(BodyFactor, TakesOtherRowsOnTheSameBodies) {
   const Lines all = make_rows(26, square_with_hub(5), 0.0);
   BodyFactor factor(kernels());
