@@ -66,7 +66,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   system_.calm = is_calm();
   // Errors of rest would add up, so what stands is solved exactly.
   system_.moves = moment != kHit && !stands();
-  system_.dear = std::max<std::uint64_t>(1, plant_.work.limit() / kDearShare);
+  system_.dear = std::max<std::uint64_t>(1, plant_.work.limit() / kDearShare);  // it divides
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);

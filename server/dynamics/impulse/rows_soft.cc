@@ -134,10 +134,12 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
     if (!near) softness.note_found();
   }
   hold_softly(least_softness());
-  const double most_solved = std::min(allowed(), kMostSolved * enough);
-  keep(start_);
-  if (near && left <= most_solved && (!softened || follow_firm_points(enough, most_solved))) return true;
-  if (near && moves) put_back(start_);
+  if (const double most = std::min(allowed(), kMostSolved * enough); near && left <= most) {
+    if (!softened) return true;
+    if (moves) keep(start_);
+    if (follow_firm_points(enough, most)) return true;
+    if (moves) put_back(start_);
+  }
   move_centres(0.0);
   if (!(near && moves) && !will_do(island_->dear / kLessAtEnd)) return false;
   // Newton's last step may leave impulses a little beyond their bounds, where sweeps leave none.

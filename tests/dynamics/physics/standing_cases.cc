@@ -69,7 +69,7 @@ std::vector<double> settle(const world::EngineSetting& engine) {
 std::vector<double> settle_as_a_large_pile(const world::EngineSetting& engine) {
   return settle_as_a_pile(engine, 100, 10.0);
 }
-// Towers are left in it that rock for twenty seconds.
+// Towers are left in it that rock for a long time.
 std::vector<double> settle_as_a_huge_pile(const world::EngineSetting& engine) {
   return settle_as_a_pile(engine, 1000, 40.0);
 }
