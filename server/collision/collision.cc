@@ -118,8 +118,17 @@ CollisionStage::CollisionStage(const world::WorldModel& model)
     : CollisionStage(model, *std::make_unique<PreparedMeshes>()) {}
 CollisionStage::~CollisionStage() = default;
 
+FastBodies CollisionStage::find_fast(const world::WorldState& before, const world::WorldState& after) {
+  return impl_->model.continuous_collision ? impl_->sweep.find_fast(before, after) : FastBodies{};
+}
+
 void CollisionStage::hold_back(const world::WorldState& before, world::WorldState& after) {
   if (impl_->model.continuous_collision) impl_->sweep.hold_back(impl_->shapes, impl_->broad, before, after);
+}
+
+double CollisionStage::first_crossing(const world::WorldState& before, const world::WorldState& after) {
+  if (!impl_->model.continuous_collision) return 1.0;
+  return impl_->sweep.first_crossing(impl_->shapes, impl_->broad, before, after);
 }
 
 const std::vector<world::BodyId>& CollisionStage::limited() const {

@@ -33,6 +33,11 @@ struct Contact {
   Eigen::Vector3d torque_on_a_W = Eigen::Vector3d::Zero();
 };
 
+// Bodies that no joint holds, and those that joints hold.
+struct FastBodies {
+  bool free = false, linked = false;
+};
+
 // Simulation owns it; tick's thread. The constructor throws std::runtime_error for a convex shape without
 // volume. find() allocates only while its lists grow.
 class CollisionStage {
@@ -48,10 +53,17 @@ class CollisionStage {
   // met. Returns false if there are more than kMaxContacts; `contacts` then holds the first of them only.
   bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
+  // After a step: whether any body of a kind moved so far that it may have passed through another one. None
+  // where the model has no continuous collision.
+  FastBodies find_fast(const world::WorldState& before, const world::WorldState& after);
   // After a step: leaves fast free bodies where they first touched another body, if they would have passed
   // through it within the tick (sweep.h). They keep their velocity. Does nothing where the model has no
   // continuous collision.
   void hold_back(const world::WorldState& before, world::WorldState& after);
+  // After a step: the share of it after which a fast linked body first touches another one that is not free,
+  // and that it did not touch when the step began, if it would pass through it. 1: none does, or the model
+  // has no continuous collision.
+  double first_crossing(const world::WorldState& before, const world::WorldState& after);
   // Returns, for the last find(), the bodies of pairs with meshes whose work met its limit (WorldModel::
   // collision_work_limit), each once, in the order of the pairs, at most kMaxNamed. Such pairs keep the
   // contacts of a sample of their triangles. Each pair with a mesh has an equal share of the limit, and what

@@ -1,6 +1,7 @@
 #include "server/collision/sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -15,7 +16,7 @@ constexpr double kOverlapM = 2e-4;
 constexpr double kOverlapShare = 0.1;  // and with no more than this share of both thicknesses
 // Bodies that close in by less than this share of both thicknesses do not get past each other in a tick.
 constexpr double kDeepShare = 0.5;
-constexpr int kMostSteps = 64;  // of one search; the body is then left where the search has come to
+constexpr int kMostSteps = 64;  // of one search; a free body is then left where the search has come to
 constexpr int kMostRounds = 4;  // bodies that are held back by others that are held back
 
 // How deep another body may be in a shape before it comes out behind, m.
@@ -72,6 +73,11 @@ struct Sweep::Way {
     placed.R = X_WS.q.toRotationMatrix();
     placed.p = X_WS.p;
   }
+  // Unit, about which the body turns on its way; 0: it does not.
+  Eigen::Vector3d axis() const {
+    const Eigen::Quaterniond to_near(nearer_to(from.q_WB, to.q_WB));
+    return (to_near * from.q_WB.conjugate()).vec().stableNormalized();
+  }
 };
 
 Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model)
@@ -87,18 +93,25 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
   }
   std::sort(moving_.begin(), moving_.end());
   moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
-  for (const std::size_t i : moving_) bodies_[i].is_free = !model.bodies[i].kinematic;
+  for (const std::size_t i : moving_)
+    if (!model.bodies[i].kinematic) bodies_[i].kind = Kind::kFree;
+  const auto link = [this](world::BodyId body) {
+    if (body.valid() && bodies_[body.index()].kind == Kind::kFree) bodies_[body.index()].kind = Kind::kLinked;
+  };
   for (const world::Joint& joint : model.joints) {
     if (!world::info(joint.kind).holds_anything) continue;
-    if (joint.parent.valid()) bodies_[joint.parent.index()].is_free = false;
-    bodies_[joint.child.index()].is_free = false;
+    link(joint.parent);
+    link(joint.child);
   }
 }
 
 // Along the chord of two quaternions a point at r from the centre of mass goes by at most sqrt(2) times 2 r
 // the chord: the chord's middle, where the rotation is fastest, is at least 1/sqrt(2) away from 0.
-bool Sweep::measure_ways(const world::WorldState& before, const world::WorldState& after) {
+FastBodies Sweep::find_fast(const world::WorldState& before, const world::WorldState& after) {
   double farthest = 0.0;
+  // By how much a body moves farther than it may, at most; by kind.
+  std::array<double, 3> beyond;
+  beyond.fill(-std::numeric_limits<double>::infinity());
   for (const std::size_t i : moving_) {
     Body& body = bodies_[i];
     const world::BodyState &from = before.bodies[i], &to = after.bodies[i];
@@ -106,18 +119,19 @@ bool Sweep::measure_ways(const world::WorldState& before, const world::WorldStat
     body.way = to.p_WC - from.p_WC;
     body.turn = 2.0 * std::numbers::sqrt2 * body.turning_reach *
                 (nearer_to(from.q_WB, to.q_WB) - from.q_WB.coeffs()).norm();
-    farthest = std::max(farthest, body.way.norm() + body.turn);
+    const double moved = body.way.norm() + body.turn;
+    farthest = std::max(farthest, moved);
+    double& of_kind = beyond[static_cast<std::size_t>(body.kind)];
+    of_kind = std::max(of_kind, moved - kDeepShare * body.thickness);
   }
-  return std::ranges::any_of(moving_, [&](std::size_t i) {
-    const Body& body = bodies_[i];
-    return body.is_free && body.way.norm() + body.turn + farthest > kDeepShare * body.thickness;
-  });
+  const auto any = [&](Kind kind) { return beyond[static_cast<std::size_t>(kind)] + farthest > 0.0; };
+  return {any(Kind::kFree), any(Kind::kLinked)};
 }
 
 void Sweep::hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
                       world::WorldState& after) {
-  for (int round = 0; round < kMostRounds && measure_ways(before, after); ++round) {
-    list_pairs(shapes, broad, before, after);
+  for (int round = 0; round < kMostRounds && find_fast(before, after).free; ++round) {
+    list_pairs(Kind::kFree, shapes, broad, before, after);
     const auto way_of = [&](const PreparedShape& shape) {
       const std::size_t i = shape.body.index();
       return Way{shape, bodies_[i], model_.bodies[i], before.bodies[i], after.bodies[i]};
@@ -139,8 +153,22 @@ void Sweep::hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, con
   }
 }
 
-void Sweep::list_pairs(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
-                       const world::WorldState& after) {
+double Sweep::first_crossing(std::vector<PreparedShape>& shapes, BroadPhase& broad,
+                             const world::WorldState& before, const world::WorldState& after) {
+  double first = 1.0;
+  if (!find_fast(before, after).linked) return first;
+  list_pairs(Kind::kLinked, shapes, broad, before, after);
+  for (const auto& [i, j] : pairs_) {
+    const std::size_t a = shapes[i].body.index(), b = shapes[j].body.index();
+    const Way way_a{shapes[i], bodies_[a], model_.bodies[a], before.bodies[a], after.bodies[a]};
+    const Way way_b{shapes[j], bodies_[b], model_.bodies[b], before.bodies[b], after.bodies[b]};
+    first = std::min(first, first_touch(way_a, way_b).value_or(1.0));
+  }
+  return first;
+}
+
+void Sweep::list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase& broad,
+                       const world::WorldState& before, const world::WorldState& after) {
   for (PreparedShape& shape : shapes) {
     place(shape, model_, after);
     shape.near_W = shape.box_W;
@@ -151,18 +179,22 @@ void Sweep::list_pairs(std::vector<PreparedShape>& shapes, BroadPhase& broad, co
       shape.near_W = widened(shape.near_W.merged(shape.box_W), bodies_[shape.body.index()].turn + kOverlapM);
   }
   pairs_.clear();
-  for (const IndexPair& pair : broad.find(shapes)) add_pair(shapes, pair);
+  for (const IndexPair& pair : broad.find(shapes)) add_pair(kind, shapes, pair);
 }
 
-void Sweep::add_pair(const std::vector<PreparedShape>& shapes, const IndexPair& pair) {
+void Sweep::add_pair(Kind kind, const std::vector<PreparedShape>& shapes, const IndexPair& pair) {
   const PreparedShape &first = shapes[pair.first], &second = shapes[pair.second];
   const Body &a = bodies_[first.body.index()], &b = bodies_[second.body.index()];
   const bool is_plane = first.kind == world::ShapeKind::kPlane || second.kind == world::ShapeKind::kPlane;
-  if (is_plane || (first.mesh != nullptr && second.mesh != nullptr) || !(a.is_free || b.is_free)) return;
+  if (is_plane || (first.mesh != nullptr && second.mesh != nullptr)) return;
+  if (a.kind != kind && b.kind != kind) return;
+  // Where a linked body meets a free one, the free one is held back.
+  if (kind == Kind::kLinked && (a.kind == Kind::kFree || b.kind == Kind::kFree)) return;
   const double thickness = thickness_of(first) + thickness_of(second);
   if ((a.way - b.way).norm() + a.turn + b.turn <= kDeepShare * thickness) return;
-  // The body that moved farther is held back, if both are free.
-  const bool holds_first = a.is_free && (!b.is_free || a.way.norm() + a.turn >= b.way.norm() + b.turn);
+  // The body that moved farther is held back, if both are of the kind.
+  const bool holds_first =
+      a.kind == kind && (b.kind != kind || a.way.norm() + a.turn >= b.way.norm() + b.turn);
   pairs_.push_back(holds_first ? pair : IndexPair{pair.second, pair.first});
 }
 
@@ -197,26 +229,31 @@ std::optional<double> Sweep::first_touch_with_mesh(const Way& mesh, const Way& c
 }
 
 // Each step goes as far as the gap allows along the direction in which the shapes are apart, or overlap
-// least. Shapes that touch from the beginning may come a little deeper: the other end of a plate that has
-// landed on one edge is not to swing through the floor.
+// least. Shapes that touch from the beginning may come a little deeper if the body is free: the other end of
+// a plate that has landed on one edge is not to swing through the floor. Linked ones that touch have contacts
+// already, and only a touch makes it worth to divide the tick.
 std::optional<double> Sweep::first_touch_of_convex(const Way& way_a, Placed a, const Way& way_b, Placed b,
                                                    double thickness) {
   const double least = std::min(kOverlapM, kOverlapShare * thickness);
   const Eigen::Vector3d way = way_a.body.way - way_b.body.way;
-  const double turn = way_a.body.turn + way_b.body.turn;
+  const Eigen::Vector3d axis_a = way_a.axis(), axis_b = way_b.axis();
+  const bool is_free = way_a.body.kind == Kind::kFree || way_b.body.kind == Kind::kFree;
   double wanted = least, share = 0.0;
   for (int step = 0; step < kMostSteps; ++step) {
     way_a.put(share, a);
     way_b.put(share, b);
     const auto [apart_W, overlap] = least_overlap(a, b);
+    if (step == 0 && overlap >= 0.0 && !is_free) return std::nullopt;
     if (step == 0) wanted = std::max(overlap, 0.0) + least;
     if (overlap > kDeepShare * thickness) return std::nullopt;  // too deep to be told what is in front
-    const double closing = turn - apart_W.dot(way);             // m in the whole tick
+    // m in the whole tick
+    const double closing = way_a.body.turn * axis_a.cross(apart_W).norm() +
+                           way_b.body.turn * axis_b.cross(apart_W).norm() - apart_W.dot(way);
     if (closing <= kDeepShare * thickness || (1.0 - share) * closing <= least) return std::nullopt;
     if (overlap > wanted - 0.5 * least) return share;
     share += (wanted - overlap) / closing;
   }
-  return share;
+  return is_free ? std::optional(share) : std::nullopt;
 }
 
 // Unit direction from b to a, and the overlap along it; negative: apart.

@@ -4,9 +4,11 @@
 // place where it first touches something, and there it is left. It keeps its velocity, and the next tick
 // finds the contact.
 //
-// Only free bodies are held back, which no joint holds: a linked one cannot be moved alone. Two meshes are
-// not searched. Planes need no search, since nothing gets behind a plane. The search is conservative
-// advancement: B. Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), 2.3.
+// Only free bodies are held back, which no joint holds: a linked one cannot be moved alone. For linked ones
+// the search tells when in the tick the first of them touches something, and the caller makes the tick in
+// parts (dynamics/world_step.h). Two meshes are not searched. Planes need no search, since nothing gets
+// behind a plane. The search is conservative advancement: B. Mirtich, Impulse-based Dynamic Simulation of
+// Rigid Body Systems (1996), 2.3.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "server/collision/broad_phase.h"
+#include "server/collision/collision.h"
 #include "server/collision/moving_triangle.h"
 #include "server/collision/shapes.h"
 
@@ -25,14 +28,23 @@ class Sweep {
  public:
   Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model);
 
+  // Whether any body of a kind moved so far that it may have crossed something.
+  FastBodies find_fast(const world::WorldState& before, const world::WorldState& after);
   // Moves each body of `after` that would have crossed another one since `before` back to where they touch.
   // Places the shapes anew and changes their near_W. The result depends on the two states alone.
   void hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
                  world::WorldState& after);
+  // The share of the way after which a linked body first touches one that is not free, and that it did not
+  // touch at first; 1: none has to be told. Changes the shapes as hold_back() does.
+  double first_crossing(std::vector<PreparedShape>& shapes, BroadPhase& broad,
+                        const world::WorldState& before, const world::WorldState& after);
 
  private:
-  struct Body {                  // by BodyId
-    bool is_free = false;        // neither fixed nor held by a joint
+  // Whose way a search follows: that of bodies that no joint holds, or of those that joints hold. Fixed and
+  // kinematic bodies are neither.
+  enum class Kind { kOther, kFree, kLinked };
+  struct Body {  // by BodyId
+    Kind kind = Kind::kOther;
     double thickness = 0.0;      // m, half of the smallest side of its thinnest shape
     double turning_reach = 0.0;  // m, from the centre of mass to the farthest point that turning moves
     // In this tick:
@@ -44,12 +56,10 @@ class Sweep {
   };
   struct Way;
 
-  // Measures how far bodies have moved. True if a free one may have crossed something.
-  bool measure_ways(const world::WorldState& before, const world::WorldState& after);
   // Fills pairs_ with pairs of shapes that may cross; the first is of the body that is to be held back.
-  void list_pairs(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
-                  const world::WorldState& after);
-  void add_pair(const std::vector<PreparedShape>& shapes, const IndexPair& pair);
+  void list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase& broad,
+                  const world::WorldState& before, const world::WorldState& after);
+  void add_pair(Kind kind, const std::vector<PreparedShape>& shapes, const IndexPair& pair);
   // The share of the tick after which the first shape touches the second; none if it need not be held back.
   std::optional<double> first_touch(const Way& held, const Way& other);
   std::optional<double> first_touch_with_mesh(const Way& mesh, const Way& convex);

@@ -62,14 +62,13 @@ Machinery make_machinery(const scene::Scene& scene, std::span<sensors::Sensor* c
   const auto& model = scene.world;
   Machinery made;
   made.collision = std::make_unique<collision::CollisionStage>(model, meshes);
-  made.coupling = std::make_unique<dynamics::Coupling>(model);
+  made.world_step = std::make_unique<dynamics::WorldStep>(model, *made.collision);
   made.senses = std::make_unique<sensing::Senses>(scene, sensors);
   made.ring = std::make_shared<FlightRing>(model.joints.size(), model.bodies.size());
   made.work_texts = std::make_shared<const std::vector<std::string>>(work_texts_of(model));
   made.drives.resize(model.joints.size());
   made.following_errors.resize(model.joints.size());
   made.contact_forces.resize(model.bodies.size());
-  made.kinematic = world::kinematic_tree(model);
   return made;
 }
 

@@ -10,7 +10,7 @@
 #include "hwparts/sensors/sensor.h"
 #include "server/collision/collision.h"
 #include "server/cycle/flight_ring.h"
-#include "server/dynamics/coupling.h"
+#include "server/dynamics/world_step.h"
 #include "server/dynamics/engine.h"
 #include "server/scene/scene.h"
 #include "server/sensing/senses.h"
@@ -22,13 +22,12 @@ namespace visum::cycle {
 struct Machinery {
   std::vector<std::unique_ptr<dynamics::Engine>> engines;
   std::unique_ptr<collision::CollisionStage> collision;
-  std::unique_ptr<dynamics::Coupling> coupling;
+  std::unique_ptr<dynamics::WorldStep> world_step;
   std::unique_ptr<sensing::Senses> senses;
   std::shared_ptr<FlightRing> ring;
   std::shared_ptr<const std::vector<std::string>> work_texts;  // Simulation::work_texts()
   std::vector<hwparts::JointDrive> drives;                     // by JointId
   std::vector<double> following_errors, contact_forces;        // by JointId; by BodyId
-  world::KinematicTree kinematic;
 };
 
 // Makes everything but the engines. Any thread, also while the sensors are in use: they are not changed.

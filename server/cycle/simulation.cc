@@ -105,14 +105,13 @@ void Simulation::use(Machinery& machinery) {
   }
   std::swap(engines_, machinery.engines);
   std::swap(collision_, machinery.collision);
-  std::swap(coupling_, machinery.coupling);
+  std::swap(world_step_, machinery.world_step);
   std::swap(senses_, machinery.senses);
   std::swap(ring_, machinery.ring);
   std::swap(work_texts_, machinery.work_texts);
   std::swap(drives_, machinery.drives);
   std::swap(following_errors_, machinery.following_errors);
   std::swap(contact_forces_, machinery.contact_forces);
-  std::swap(kinematic_, machinery.kinematic);
   contacts_.clear();
 }
 
@@ -197,11 +196,8 @@ void Simulation::act() {
 
 void Simulation::collide() {
   if (collision_->find(state_, contacts_)) return;
-  const auto& last = contacts_.back();
   before_ = state_;
-  freeze("more than " + std::to_string(contacts_.size()) + " contacts in one tick: the last is between '" +
-         model().bodies[last.body_a.index()].name + "' and '" + model().bodies[last.body_b.index()].name +
-         "'");
+  freeze(dynamics::too_many_contacts(model(), contacts_));
   contacts_.clear();
 }
 
@@ -214,22 +210,16 @@ void Simulation::step() {
   wrenches_.clear();
   for (const auto& push : pushes_) wrenches_.push_back(push.wrench);
   for (const auto& pull : pulls_) wrenches_.push_back(wrench_of(pull, model(), state_, tick_s));
-  const dynamics::StepInput input{tick_s, contacts_, drives_, wrenches_};
   before_ = state_;
-  auto result = coupling_->step(engines_, input, state_,
-                                [this](std::uint32_t engine) { working_.enter(Stage::kStep, engine); });
+  const auto entering = [this](std::uint32_t engine) { working_.enter(Stage::kStep, engine); };
+  auto result = world_step_->make({engines_, tick_s, drives_, wrenches_, entering, profile_}, before_,
+                                  contacts_, state_);
   if (!result.ok) return freeze(std::move(result.fault));
-  world::move_kinematic(model(), kinematic_, tick_s, before_, state_);
   std::vector<world::BodyId> limited = collision_->limited();
   const bool is_limited = result.limited || !limited.empty();
   limited.insert(limited.end(), result.fell_short.begin(), result.fell_short.end());
   if (is_limited) note_limited(limited);
   if (result.warned) ++solver_warnings_;
-  {
-    const config::ProfileScope held_back(profile_, config::Profile::kCollision);
-    collision_->hold_back(before_, state_);
-  }
-  world::measure_joints(scene_->world, state_, input.tick_s);
   if (std::string offender; !world::is_sane(scene_->world, state_, &offender))
     return freeze(std::move(offender));
   ++state_.tick;

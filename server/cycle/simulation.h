@@ -339,7 +339,7 @@ class Simulation {
   std::vector<AgentPart*> agents_;         // those of parts_
   std::vector<std::unique_ptr<dynamics::Engine>> engines_;
   std::unique_ptr<collision::CollisionStage> collision_;
-  std::unique_ptr<dynamics::Coupling> coupling_;
+  std::unique_ptr<dynamics::WorldStep> world_step_;
   std::unique_ptr<sensing::Senses> senses_;
   std::vector<collision::Contact> contacts_;
   std::vector<hwparts::JointDrive> drives_;  // by JointId
@@ -347,7 +347,6 @@ class Simulation {
   std::vector<double> contact_forces_;       // by BodyId
   std::vector<Push> pushes_;
   std::vector<Pull> pulls_;  // sorted by body, one for each
-  world::KinematicTree kinematic_;
   hwparts::FaultSet faults_;
   std::vector<double> unheard_;  // takes the readings of a silent part
   std::vector<dynamics::Wrench> wrenches_;

@@ -57,7 +57,7 @@ void Simulation::exchange_world(Simulation& other) {
   std::swap(meshes_, other.meshes_);
   std::swap(engines_, other.engines_);
   std::swap(collision_, other.collision_);
-  std::swap(coupling_, other.coupling_);
+  std::swap(world_step_, other.world_step_);
   std::swap(senses_, other.senses_);
   std::swap(contacts_, other.contacts_);
   std::swap(drives_, other.drives_);
@@ -65,7 +65,6 @@ void Simulation::exchange_world(Simulation& other) {
   std::swap(contact_forces_, other.contact_forces_);
   std::swap(pushes_, other.pushes_);
   std::swap(pulls_, other.pulls_);
-  std::swap(kinematic_, other.kinematic_);
   std::swap(faults_, other.faults_);
   std::swap(ring_, other.ring_);
   std::swap(work_texts_, other.work_texts_);

@@ -153,7 +153,7 @@ struct WorldModel {
   std::int64_t tick_ns = 1'000'000;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s²
   CollisionKind collision_stage = CollisionKind::kVisum;
-  bool continuous_collision = true;  // fast free bodies are kept from passing through others
+  bool continuous_collision = true;  // fast bodies are kept from passing through others
   std::vector<EngineSetting> engines;
   std::uint64_t collision_work_limit = kCollisionWorkLimit;  // of one tick (server/collision/work.h)
   std::vector<Surface> surfaces;                             // [0] is the default

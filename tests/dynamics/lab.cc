@@ -20,21 +20,18 @@ Lab::Lab(world::WorldModel world_model)
       state(initial_state(model)),
       drives(model.joints.size()),
       stage_(model),
-      coupling_(model) {
+      world_step_(model, stage_) {
   for (std::size_t i = 0; i < model.engines.size(); ++i)
     engines.push_back(make_engine(model, static_cast<std::int32_t>(i)));
 }
 
 StepResult Lab::step() {
   stage_.find(state, contacts);
-  const StepInput input{tick_s(), contacts, drives, wrenches};
   before_ = state;
-  const StepResult all = coupling_.step(engines, input, state);
+  const StepResult all = world_step_.make({engines, tick_s(), drives, wrenches}, before_, contacts, state);
   if (!all.ok) return all;
   if (all.warned) ++warned_ticks;
-  stage_.hold_back(before_, state);
   ++state.tick;
-  measure_joints(model, state, tick_s());
   return all;
 }
 

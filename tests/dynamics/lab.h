@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/dynamics/coupling.h"
-#include "server/dynamics/engine.h"
+#include "server/dynamics/world_step.h"
 #include "tests/dynamics/model_builder.h"
 
 namespace visum::dynamics::testing {
@@ -45,7 +44,7 @@ class Lab {
 
  private:
   collision::CollisionStage stage_;
-  Coupling coupling_;
+  WorldStep world_step_;
   world::WorldState before_;
 };
 
