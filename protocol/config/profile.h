@@ -57,6 +57,7 @@ class Profile {
   std::int64_t began_ns() const { return began_ns_; }            // when it was made; of the steady clock
   std::int64_t first_tick_ns() const { return first_tick_ns_; }  // 0: there was no tick
   std::int64_t last_tick_ns() const { return last_tick_ns_; }
+  bool keeps_spans() const { return most_spans_ > 0; }
   std::size_t left_out() const { return left_out_; }  // spans beyond `most_spans`
   // The phases between the first and the last tick, those with any time in them.
   std::vector<Time> run() const;

@@ -1,5 +1,6 @@
 #include "protocol/processes/child_process.h"
 
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +17,14 @@
 namespace visum::processes {
 
 using Clock = std::chrono::steady_clock;
+
+namespace {
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+}  // namespace
 
 std::string ExitStatus::text() const {
   if (!by_signal) return "exited with code " + std::to_string(number);
@@ -112,7 +121,9 @@ const std::optional<ExitStatus>& ChildProcess::check_exit() {
   }
   if (info.si_pid != pid_) return exit_;
   ::kill(-pid_, SIGKILL);
-  ::waitpid(pid_, nullptr, 0);
+  rusage usage{};
+  if (::wait4(pid_, nullptr, 0, &usage) == pid_)
+    processor_s_ = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   exit_ = ExitStatus{info.si_code != CLD_EXITED, info.si_status};
   drain();
   return exit_;

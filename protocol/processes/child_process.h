@@ -49,6 +49,9 @@ class ChildProcess {
   void drain();                                   // passes on the lines that are there, without waiting
   const std::optional<ExitStatus>& check_exit();  // without waiting
   const std::optional<ExitStatus>& exit() const { return exit_; }  // as the last check_exit() found it
+  // Processor time of the program and of all that it waited for, once check_exit() has found its end. 0
+  // before, and of a process that another one started.
+  double processor_s() const { return processor_s_; }
   bool wait_exit(std::chrono::milliseconds patience);
   void signal(int number) const;
   // Sends SIGINT, and SIGKILL after `patience`. Returns when the program has ended.
@@ -76,6 +79,7 @@ class ChildProcess {
   std::function<std::optional<ExitStatus>()> find_end_;  // empty: it is our own child
   std::deque<std::string> last_lines_;
   std::optional<ExitStatus> exit_;
+  double processor_s_ = 0.0;
 };
 
 }  // namespace visum::processes

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -38,10 +39,18 @@ void write_profile(const config::Profile& profile, const std::string& file) {
       << ",\"cpu_us\":" << processor_time_us() << ",\"left_out\":" << profile.left_out()
       << ",\"run\":" << as_json(profile.run()) << ",\"whole\":" << as_json(profile.whole())
       << "},\"traceEvents\":[\n";
+  const auto began = config::Profile::Clock::now();
+  const auto began_us = processor_time_us();
   profile.write_spans(out, process);
   auto last = config::process_name_event(process, "visumd");
   last.resize(last.size() - 2);  // no comma behind the last one
-  out << last << "\n]}\n";
+  out << last << "\n]";
+  out.flush();
+  const auto took =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(config::Profile::Clock::now() - began).count();
+  if (profile.keeps_spans())
+    out << ",\"written\":{\"ns\":" << took << ",\"cpu_us\":" << processor_time_us() - began_us << "}";
+  out << "}\n";
   if (!out.flush())
     throw std::runtime_error("--profile " + file + ": cannot be written: " + std::strerror(errno));
 }

@@ -61,6 +61,18 @@ class Profiles(unittest.TestCase):
         self.assertAlmostEqual(sum(span["dur"] for span in spans) * 1e-3, self.rows(done.stdout)["physics"][0],
                                delta=0.06)
 
+    def test_a_trace_changes_nothing_else_in_the_table(self):
+        plain = visum("run", self.scenario, "--profile", expect=0).stdout
+        traced = visum("run", self.scenario, "--profile", self.trace, expect=0).stdout
+        self.assertEqual(set(self.rows(traced)) - set(self.rows(plain)), {"trace"})
+        written = json.loads(self.trace.read_text())["written"]
+        self.assertAlmostEqual(self.rows(traced)["trace"][0], written["ns"] * 1e-6, delta=0.06)
+        rows = self.rows(traced)
+        total = rows.pop("total")[0]
+        self.assertAlmostEqual(sum(ms for ms, _ in rows.values()), total, delta=0.05 * len(rows) + 0.05)
+        for said in (plain, traced):  # this scenario has no controller
+            self.assertIn("s, controllers 0.000 s, visum run", said)
+
     def test_the_result_stays_the_same(self):
         plain = visum("run", self.scenario, "--json", expect=0)
         measured = visum("run", self.scenario, "--json", "--profile", expect=0)

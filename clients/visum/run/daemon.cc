@@ -108,7 +108,7 @@ std::vector<std::pair<std::string, std::string>> read_used_files(const std::stri
 
 Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_loop,
                processes::ChildProcess::OnLine on_line)
-    : wait_loop_(wait_loop) {
+    : wait_loop_(wait_loop), on_end_(options.on_end) {
   // It serves plain text on loopback, so no client that we start may try TLS because of the environment. It
   // is not the service either that a service manager waits for.
   for (const char* variable : {"VISUM_TLS_CA", "VISUM_TLS_CERT", "VISUM_TLS_KEY", "NOTIFY_SOCKET"})
@@ -137,6 +137,7 @@ Daemon::Daemon(const DaemonOptions& options, double patience_s, WaitLoop& wait_l
 Daemon::~Daemon() {
   wait_loop_.forget(*process_);
   process_->stop(kFarewell);
+  if (on_end_) on_end_(process_->processor_s());
 }
 
 void Daemon::wait_until_ready(double patience_s) {

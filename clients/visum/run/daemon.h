@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ struct DaemonOptions {
   bool serves_page = false;     // and metrics, over HTTP
   double speedup = 0.0;         // 0: the scene's, and in lockstep none
   ForkServer* forks = nullptr;  // starts it; null: it is started in the ordinary way
+  // Called once it has ended, with its processor time. Not with `forks`, whose processes are not ours.
+  std::function<void(double processor_s)> on_end{};
 };
 
 // The folder of the program that runs now.
@@ -69,6 +72,7 @@ class Daemon {
   void wait_until_ready(double patience_s);
 
   WaitLoop& wait_loop_;
+  const std::function<void(double)> on_end_;
   std::string ready_line_;
   std::uint16_t port_ = 0, page_port_ = 0;
   std::map<std::string, std::string> buses_;

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -62,7 +63,25 @@ std::vector<config::Node> items(const config::Node& list) {
   return all;
 }
 
-std::vector<Row> rows_of(const config::Node& of_daemon, std::int64_t began_ns, std::int64_t ended_ns) {
+// What visumd spent on writing its trace.
+struct Written {
+  std::int64_t ns = 0, cpu_us = 0;
+};
+
+// By the last line of visumd's file: `],"written":{"ns":5,"cpu_us":3}}`. Without a trace it has no such line.
+Written read_written(const std::filesystem::path& daemon_file) {
+  constexpr std::streamoff kLongestLine = 128;
+  std::ifstream in(daemon_file, std::ios::ate);
+  in.seekg(std::max<std::streamoff>(0, in.tellg() - kLongestLine));
+  const std::string tail{std::istreambuf_iterator<char>(in), {}};
+  const auto at = tail.rfind("],\"written\":");
+  if (at == std::string::npos) return {};
+  const auto line = config::load_text("{" + tail.substr(at + 2), "visumd's profile").get("written");
+  return {line.get("ns").integer(), line.get("cpu_us").integer()};
+}
+
+std::vector<Row> rows_of(const config::Node& of_daemon, const Written& written, std::int64_t began_ns,
+                         std::int64_t ended_ns) {
   const auto first = of_daemon.get("first_tick_ns").integer(), last = of_daemon.get("last_tick_ns").integer();
   if (first == 0) return {{"all", ended_ns - began_ns, false, "there was no tick"}};
   std::vector<Row> rows{
@@ -81,7 +100,8 @@ std::vector<Row> rows_of(const config::Node& of_daemon, std::int64_t began_ns, s
     else
       found->ns += phase.get("ns").integer();
   }
-  rows.push_back({"end", ended_ns - last, false, "after the last tick: all processes end"});
+  rows.push_back({"end", ended_ns - last - written.ns, false, "after the last tick: all processes end"});
+  rows.push_back({"trace", written.ns, false, "visumd writes its spans; without a trace it does not"});
   std::erase_if(rows, [](const Row& row) { return row.ns == 0; });
   return rows;
 }
@@ -103,13 +123,18 @@ std::int64_t steady_ns() {
 
 }  // namespace
 
-std::string profile_table(const std::string& first_line, std::int64_t began_ns, std::int64_t ended_ns) {
+RunProfile::RunProfile(std::filesystem::path trace)
+    : trace_(std::move(trace)), runner_(wants_spans() ? kMostSpans : 0) {}
+
+std::string RunProfile::table(const std::string& first_line, std::int64_t ended_ns) const {
   const auto of_daemon = config::load_text(first_line + "]}", "visumd's profile").get("visum");
+  const auto written = read_written(daemon_file());
+  const auto began_ns = runner_.began_ns();
   const auto ticks = of_daemon.get("ticks").integer();
   const auto total = static_cast<double>(std::max<std::int64_t>(1, ended_ns - began_ns));
   cli::Table table;
   table.row({"phase", "ms/run", "us/tick", "share", ""});
-  for (const Row& row : rows_of(of_daemon, began_ns, ended_ns)) {
+  for (const Row& row : rows_of(of_daemon, written, began_ns, ended_ns)) {
     const auto ns = static_cast<double>(row.ns);
     table.row({row.name, cli::fixed(ns * 1e-6, 1),
                row.per_tick ? cli::fixed(ns * 1e-3 / static_cast<double>(std::max<std::int64_t>(1, ticks)), 2)
@@ -118,17 +143,14 @@ std::string profile_table(const std::string& first_line, std::int64_t began_ns, 
   }
   table.row({"total", cli::fixed(total * 1e-6, 1), "", "100 %", std::to_string(ticks) + " ticks"});
   std::string text = "profile, by wall time:\n" + table.text("  ");
-  const auto daemon_s = static_cast<double>(of_daemon.get("cpu_us").integer()) * 1e-6;
-  const auto others_s = std::max(0.0, cpu_seconds(RUSAGE_CHILDREN) - daemon_s);
-  text += "  processor time: visumd " + cli::fixed(daemon_s, 3) + " s, controllers " +
+  const auto writing_s = static_cast<double>(written.cpu_us) * 1e-6;
+  const auto others_s = std::max(0.0, cpu_seconds(RUSAGE_CHILDREN) - daemon_s_);
+  text += "  processor time: visumd " + cli::fixed(daemon_s_ - writing_s, 3) + " s, controllers " +
           cli::fixed(others_s, 3) + " s, visum run " + cli::fixed(cpu_seconds(RUSAGE_SELF), 3) + " s\n";
   if (const auto left_out = of_daemon.get("left_out").integer(); left_out > 0)
     text += "  the trace leaves out the last " + std::to_string(left_out) + " spans\n";
   return text;
 }
-
-RunProfile::RunProfile(std::filesystem::path trace)
-    : trace_(std::move(trace)), runner_(wants_spans() ? kMostSpans : 0) {}
 
 std::string RunProfile::finish() {
   const auto ended_ns = steady_ns();
@@ -137,9 +159,9 @@ std::string RunProfile::finish() {
   std::string first_line;
   std::getline(in, first_line);
   if (first_line.empty()) return "profile: visumd has left none\n";
-  auto table = profile_table(first_line, runner_.began_ns(), ended_ns);
+  auto text = table(first_line, ended_ns);
   if (wants_spans()) write_trace();
-  return table;
+  return text;
 }
 
 // visumd's file is the trace already; ours are events more.

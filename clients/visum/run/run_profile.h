@@ -18,17 +18,21 @@ class RunProfile {
   config::Profile& runner() { return runner_; }
   std::filesystem::path daemon_file() const { return folder_.path() / "visumd.json"; }
   bool wants_spans() const { return !trace_.empty(); }
+  // Processor time of visumd from its start to its end, with that of the processes that it waited for.
+  void daemon_ended(double processor_s) { daemon_s_ = processor_s; }
 
   // Call it once when the run is over and all its processes have ended: writes the trace, and returns the
   // table. Throws std::runtime_error if the trace cannot be written.
   std::string finish();
 
  private:
+  std::string table(const std::string& first_line, std::int64_t ended_ns) const;
   void write_trace();
 
   const std::filesystem::path trace_;
   cli::TempFolder folder_;
   config::Profile runner_;
+  double daemon_s_ = 0.0;
 };
 
 // The phases of the runner itself, for its Profile.
@@ -41,9 +45,5 @@ struct RunnerPhases {
   }
   config::Profile::Phase controllers = 0, world = 0, checks = 0;
 };
-
-// The table of a run that took from `began_ns` to `ended_ns`, by the first line of the file that visumd
-// wrote. Throws ConfigError if that line is not visumd's.
-std::string profile_table(const std::string& first_line, std::int64_t began_ns, std::int64_t ended_ns);
 
 }  // namespace visum::run

@@ -426,6 +426,7 @@ Report run_scenario(const Scenario& scenario, const RunOptions& options) {
     if (options.profile != nullptr) {
       daemon_options.profile = options.profile->daemon_file().string();
       daemon_options.profile_spans = options.profile->wants_spans();
+      daemon_options.on_end = [&](double processor_s) { options.profile->daemon_ended(processor_s); };
     }
     Daemon daemon(daemon_options, scenario.start_wall_s, wait_loop, [&](const std::string& line) {
       options.on_line("visumd", line);
