@@ -98,6 +98,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("BUS");
   app.add_option("--part", options.part, "the part's name; needed if the scene has several parts");
   programs::declare_common(app, options.of_daemon, options.output);
+  programs::declare_cache(app);
   app.add_flag("--execution-enable", options.of_part.execution_enable,
                "let the port Execution Enable start as 1 instead of 0; only an operator should say so");
   app.add_flag("--watchdog", options.of_part.watchdog,

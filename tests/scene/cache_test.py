@@ -82,6 +82,36 @@ class Cache(unittest.TestCase):
         self.assertNotEqual(self.run_scenario("--record", "d.mcap"), first)
         self.assertIn("file pyramid.dae", self.do("visum", "compare", "a.mcap", "d.mcap").stdout)
 
+    def campaign(self, *words):
+        done = self.do("visum", "campaign", "campaign.yaml", "--report", "results", "--jobs", "1", "--json", *words)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return json.loads(done.stdout.splitlines()[-1])
+
+    def test_a_campaign_without_the_cache_makes_the_same_runs(self):
+        (self.folder / "campaign.yaml").write_text(SCENARIO + "seed: ${seed}\nsweep: {seed: [1, 2]}\n")
+        first = self.campaign("--no-cache")
+        self.assertFalse(self.cache.exists())
+        again = self.campaign("--fresh")
+        self.assertEqual(len(self.entries()), 2)
+        self.assertEqual(again["hash"], first["hash"])
+        self.assertEqual(self.campaign("--no-cache")["reused"], 2, "the option does not make another campaign of it")
+
+    def test_a_search_without_the_cache_finds_and_records_the_same_worst_case(self):
+        (self.folder / "campaign.yaml").write_text(
+            SCENARIO.replace("- {name: it lies", "- {name: lies") + "seed: ${seed}\nsweep: {seed: {integers: [1, 9]}}\n"
+            "sampling: {method: random, runs: 2}\nsearch: {check: lies, runs: 2}\n")
+        self.campaign("--no-cache", "--engine", "ode")
+        self.assertFalse(self.cache.exists())
+        self.assertIn('engine: "ode"', (self.folder / "results" / "worst.yaml").read_text())
+        self.assertTrue((self.folder / "results" / "worst.mcap").exists())
+
+    def test_the_program_for_real_modules_has_a_choice(self):
+        words = ("visum-hwpart", "scene.yaml", "--bus", "tcp:127.0.0.1:1", "--port", "0")
+        self.assertIn("part", self.do(*words, "--no-cache").stderr)  # the scene has none, but it was read
+        self.assertFalse(self.cache.exists())
+        self.do(*words)
+        self.assertEqual(len(self.entries()), 2)
+
     def test_a_file_is_converted_once(self):
         programs = self.folder / "bin"
         programs.mkdir()

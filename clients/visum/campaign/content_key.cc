@@ -59,12 +59,16 @@ std::string build_id() {
   return std::string(VISUM_VERSION) + " " + hash_text(hashes);
 }
 
-ContentKeys::ContentKeys(const config::Node& root, std::vector<std::string> words, std::string build)
-    : root_(root), common_([&] {
-        std::string text = build;
-        for (const auto& word : words) text += '\0' + word;
-        return text;
-      }()) {}
+std::string deciding(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words)
+    if (word != "--no-cache") text += '\0' + word;
+  return text;
+}
+
+ContentKeys::ContentKeys(const config::Node& root, const std::vector<std::string>& words,
+                         const std::string& build)
+    : root_(root), common_(build + deciding(words)) {}
 
 std::string ContentKeys::key(const run::Scenario& scenario, const config::Variables& variables) {
   config::ExpansionBudget budget;

@@ -15,10 +15,14 @@
 
 namespace visum::campaign {
 
+// Those of a run's options that its result may depend on, as one text. Kept meshes change no bit of it, so
+// --no-cache is not among them.
+std::string deciding(const std::vector<std::string>& words);
+
 class ContentKeys {
  public:
   // `words`: the options of every run. `build`: of visum and visumd.
-  ContentKeys(const config::Node& root, std::vector<std::string> words, std::string build);
+  ContentKeys(const config::Node& root, const std::vector<std::string>& words, const std::string& build);
 
   // Hashes a run's scenario with `variables`, the sweep's values, filled in, options, build, and the
   // controllers' programs and the files that their commands name. The scene's files are for find_change(). A

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -226,10 +227,11 @@ class Search {
     const auto point = point_of(*row);
     for (const auto& [name, value] : point.described)
       done_.values += (done_.values.empty() ? "" : ", ") + name + "=" + value;
-    const bool with_engine = options_.words.size() == 2 && options_.words[0] == "--engine";
+    const auto& words = options_.words;
+    const auto engine = std::ranges::find(words, "--engine");
     done_.scenario = "worst.yaml";
     cli::write_whole_file(options_.folder / done_.scenario,
-                          scenario_at(root_, point, with_engine ? options_.words[1] : "",
+                          scenario_at(root_, point, engine != words.end() ? *std::next(engine) : "",
                                       "Run " + std::to_string(done_.worst_run) +
                                           " of the campaign: the worst that was found."));
     if (!options_.records || done_.stopped) return;
@@ -240,6 +242,7 @@ class Search {
                            1,
                            1,
                            {"--record", recording.string()}};
+    if (std::ranges::find(words, "--no-cache") != words.end()) again.words.push_back("--no-cache");
     again.next = [begun = false]() mutable -> std::size_t { return std::exchange(begun, true) ? 0 : 1; };
     again.on_done = [&](std::size_t, const run::Report& report) {
       if (report.recording_trouble.empty())

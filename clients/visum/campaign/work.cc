@@ -112,8 +112,7 @@ class Work {
 
 Identity identity_of(const config::Node& root, const std::filesystem::path& file,
                      const std::vector<std::string>& words) {
-  std::string text = config::flow(root);
-  for (const auto& word : words) text += '\0' + word;
+  const std::string text = config::flow(root) + deciding(words);
   return {root.get("name").text(), file.string(),         hash_text(text), build_id(),
           run::Sweep(root).runs(), run::read_decide(root)};
 }

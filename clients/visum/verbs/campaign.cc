@@ -26,6 +26,7 @@ class CampaignVerb : public Verb {
     app.add_flag("!--no-recordings", words_.records, "keep no recordings of runs that fail");
     app.add_flag("--all-recordings", words_.records_all, "keep the recordings of all runs");
     app.add_option("--engine", engine_, "the engine for all bodies, instead of the scene's");
+    app.add_flag("--no-cache", no_cache_, "neither use nor keep converted meshes of earlier runs");
     app.add_option(
            "--on", on_,
            "make the runs elsewhere: as an array job of slurm, or by a command of the shell. All machines "
@@ -71,6 +72,7 @@ class CampaignVerb : public Verb {
     const config::Node root = config::load_file(words_.file);
     if (root.kind() != config::Node::Kind::kMap) root.fail("a scenario is a map");
     if (!engine_.empty()) words_.words = {"--engine", engine_};
+    if (no_cache_) words_.words.push_back("--no-cache");
     return on_.empty() ? run_here(root) : run_elsewhere(root);
   }
 
@@ -102,6 +104,7 @@ class CampaignVerb : public Verb {
   campaign::RemoteOptions remote_{.shards = 0};
   CampaignWords words_{{}, {}, {}, {}, 0};
   std::string engine_;
+  bool no_cache_ = false;
 };
 
 }  // namespace
