@@ -17,7 +17,7 @@ port = int(sys.argv[2])
 with visum.Client(sys.argv[1], name='spy') as client:
     client.join()
     client.advance_ms(500)
-    with open('/proc/net/unix') as sockets:  # a server's end has the name of the socket where it came in, and the state 3
+    with open('/proc/net/unix') as sockets:  # a server's end has the name of its door, and the state 3
         local = sum(line.endswith(f'-{port}\\n') and line.split()[5] == '03' for line in sockets)
     with open('/proc/net/tcp') as sockets:  # a client's end has the port at the far side, and the state 1
         tcp = sum(line.split()[2].endswith(f':{port:04X}') and line.split()[3] == '01' for line in sockets)

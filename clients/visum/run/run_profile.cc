@@ -63,7 +63,7 @@ std::vector<config::Node> items(const config::Node& list) {
   return all;
 }
 
-// What visumd spent on writing its trace.
+// The time in which visumd wrote its trace.
 struct Written {
   std::int64_t ns = 0, cpu_us = 0;
 };
