@@ -5,7 +5,7 @@
 namespace visum::dynamics {
 namespace {
 
-constexpr double kLeastShare = 1.0 / 64.0;  // of a tick: no part is shorter, but for the last one
+constexpr double kShortestPart = 1.0 / 64.0;  // of a tick: no part is shorter, but for the last one
 
 // The results of two parts of a tick, together.
 void add(StepResult& to, const StepResult& part) {
@@ -47,7 +47,7 @@ StepResult WorldStep::make_in_parts(const Tick& tick, double share, const world:
   double left = 1.0;  // share of the tick
   for (int part = 1;; ++part) {
     if (share < 1.0) {
-      share = std::min(std::max(share, kLeastShare / left), 1.0);
+      share = std::min(std::max(share, kShortestPart / left), 1.0);
       state = start_;
       const StepResult made = make_part(tick, share * left * tick.tick_s, start_, contacts, state);
       if (!made.ok) return made;

@@ -3,6 +3,7 @@
 #include "tests/support/allocation_counter.h"
 
 #include "tests/dynamics/contract/scenes.h"
+#include "tests/dynamics/physics/contact_models.h"
 #include "tests/dynamics/physics/engine_rows.h"
 #include "tests/dynamics/physics/legged_models.h"
 #include "tests/dynamics/physics/loop_models.h"
@@ -65,6 +66,45 @@ TEST_P(Allocation, StepsInHalvesNeedNone) {
   expect_none_the_second_time(loops, 20);
   if (GetParam().setting.solver == "direct") {
     EXPECT_GT(arm.warned_ticks, 0) << "the case is no longer the one that is meant";
+  }
+}
+
+// A ball on a rail hits a plate: the tick of the hit is made in parts.
+TEST_P(Allocation, TicksInPartsNeedNone) {
+  ModelBuilder b(GetParam().setting);
+  b.add_fixed_box("plate", {0.01, 1, 1}, at(0, 0, 0));
+  const BodyId ball = b.add_sphere("ball", 0.02, 0.26, at(-0.5, 0, 0));
+  b.body(ball).v_WB = {130.0, 0, 0};
+  b.add_joint("rail", world::JointKind::kSlider, {}, ball, {-0.5, 0, 0}, {1, 0, 0});
+  Lab lab(b.model);
+  expect_none_the_second_time(lab, 10);
+  EXPECT_LT(lab.body("ball").p_WC.x(), 0.0);
+}
+
+// With two threads, those of the tick's own thread are counted. Which islands it makes varies, so it may take
+// some rounds until it has seen the largest of each.
+TEST(AllocationOfIslands, PilesAndRagdollsNeedNone) {
+  for (const int threads : {1, 2}) {
+    world::EngineSetting setting = physics::engine_row("impulse").setting;
+    setting.threads = threads;
+    const auto fall = [&](const world::WorldModel& model, int ticks) {
+      constexpr int kMostRounds = 20;
+      Lab lab(model);
+      const world::WorldState start = lab.state;
+      test_support::AllocationCounts counts;
+      std::string ours;
+      for (int round = 0; round < kMostRounds && (round < 2 || counts.ours > 0); ++round) {
+        lab.state = start;
+        const test_support::AllocationScope scope;
+        lab.run_ticks(ticks);
+        counts = scope.counts();
+        ours = scope.describe_ours();
+        if (threads == 1 && round == 1) break;
+      }
+      EXPECT_EQ(counts.ours, 0u) << threads << " threads: " << ours;
+    };
+    fall(physics::piles(setting, 1e-3, 4, 10), 300);
+    fall(physics::falling_ragdolls(setting, 1e-3, 3), 600);
   }
 }
 
