@@ -28,7 +28,7 @@ class Sweep {
  public:
   Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model);
 
-  // Whether any body of a kind moved so far that it may have crossed something.
+  // Measures the ways, and says of which kind a body moved so far that it may have crossed something.
   FastBodies find_fast(const world::WorldState& before, const world::WorldState& after);
   // Moves each body of `after` that would have crossed another one since `before` back to where they touch.
   // Places the shapes anew and changes their near_W. The result depends on the two states alone.

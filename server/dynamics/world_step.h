@@ -56,7 +56,7 @@ class WorldStep {
   collision::CollisionStage& collision_;
   const world::KinematicTree kinematic_;
   Coupling coupling_;
-  // Of a tick in parts:
+  // For a tick in parts:
   world::WorldState start_;                  // of the part
   std::vector<collision::Contact> counted_;  // of all parts so far
   std::vector<double> efforts_;              // by JointId
