@@ -1,7 +1,9 @@
 #include "server/collision/collision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 
 #include "server/collision/broad_phase.h"
 #include "server/collision/fcl_stage.h"
@@ -19,6 +21,10 @@ constexpr double kRoundingM = 1e-6;  // more than the error of gaps and paths
 bool has_mesh(const PreparedShape& a, const PreparedShape& b) {
   return a.mesh != nullptr || b.mesh != nullptr;
 }
+
+// A foreseen contact holds where it ends no deeper than this, or than this share of both half thicknesses.
+constexpr double kHeldM = 2e-4, kHeldShare = 0.1;
+constexpr double kLeastGapM = 1e-9;  // of a foreseen contact
 
 // Shapes that are this far apart (m) are found apart by a fresh look, too.
 constexpr double kSurelyApartM = 1e-4;
@@ -90,6 +96,17 @@ struct CollisionStage::Impl {
   std::uint64_t meshes_meeting = 0;
   std::uint64_t work = 0;
   std::vector<world::BodyId> limited;
+  // A pair of shapes with contacts that were foreseen since the last find().
+  struct Foreseen {
+    world::ShapeId a, b;
+    double tighter = 0.0;  // m, by which their contacts have been made tighter
+    std::array<Eigen::Vector3d, kMaxContactsPerPair> touch_W{};
+  };
+  std::vector<Foreseen> foreseen;
+  world::WorldState at;  // bodies only, where a pair touches
+
+  bool foresee(const Sweep::Crossing& crossing, const world::WorldState& before,
+               const world::WorldState& after, std::vector<Contact>& contacts);
 };
 
 namespace {
@@ -126,9 +143,72 @@ void CollisionStage::hold_back(const world::WorldState& before, world::WorldStat
   if (impl_->model.continuous_collision) impl_->sweep.hold_back(impl_->shapes, impl_->broad, before, after);
 }
 
-double CollisionStage::first_crossing(const world::WorldState& before, const world::WorldState& after) {
-  if (!impl_->model.continuous_collision) return 1.0;
-  return impl_->sweep.first_crossing(impl_->shapes, impl_->broad, before, after);
+bool CollisionStage::foresee(const world::WorldState& before, const world::WorldState& after,
+                             std::vector<Contact>& contacts) {
+  Impl& of = *impl_;
+  of.at.bodies = before.bodies;
+  bool changed = false;
+  for (const Sweep::Crossing& crossing : of.sweep.find_crossings(of.shapes, of.broad, before, after))
+    changed = of.foresee(crossing, before, after, contacts) || changed;
+  return changed;
+}
+
+void CollisionStage::finish_foreseen(std::vector<Contact>& contacts) const {
+  if (impl_->foreseen.empty()) return;
+  std::erase_if(contacts, [](const Contact& one) { return one.depth < 0.0 && one.normal_force_n == 0.0; });
+  for (Contact& one : contacts) {
+    if (one.depth >= 0.0) continue;
+    one.depth = 0.0;
+    for (const Impl::Foreseen& pair : impl_->foreseen)
+      if (pair.a == one.shape_a && pair.b == one.shape_b)
+        one.p_W = pair.touch_W[static_cast<std::size_t>(one.feature) - kMaxContactsPerPair];
+  }
+}
+
+// Where the shapes first touch on their way, the narrow phase tells the points. What they miss along their
+// normals when the step begins is the gap. A body that turns moves its points on arcs, which a contact takes
+// for lines: what is overlapped in the end tightens the contacts of the next try.
+bool CollisionStage::Impl::foresee(const Sweep::Crossing& crossing, const world::WorldState& before,
+                                   const world::WorldState& after, std::vector<Contact>& contacts) {
+  PreparedShape &a = shapes[crossing.first], &b = shapes[crossing.second];
+  for (const world::BodyId body : {a.body, b.body}) sweep.put(body, crossing.share, before, after, at);
+  place(a, model, at);
+  place(b, model, at);
+  const std::vector<Point>& points = narrow.find(a, b, model.collision_work_limit);
+  const auto carried = [&](const PreparedShape& shape, const Point& point, double to) {
+    return sweep.carry(shape, point.p_W, crossing.share, to, before, after);
+  };
+  auto pair = std::ranges::find_if(foreseen,
+                                   [&](const Foreseen& other) { return other.a == a.id && other.b == b.id; });
+  const bool is_new = pair == foreseen.end();
+  if (is_new) pair = foreseen.insert(pair, {a.id, b.id});
+  double missed = 0.0;
+  std::erase_if(contacts, [&](const Contact& one) {
+    return one.depth < 0.0 && one.shape_a == a.id && one.shape_b == b.id;
+  });
+  const std::size_t first = contacts.size();
+  for (std::size_t k = 0; k < points.size() && contacts.size() < kMaxContacts; ++k) {
+    const Point& point = points[k];
+    const Eigen::Vector3d begin_a = carried(a, point, 0.0), begin_b = carried(b, point, 0.0);
+    const double depth = point.depth - point.normal_W.dot(begin_a - begin_b);
+    if (depth >= 0.0) continue;  // of triangles that touch already
+    missed =
+        std::max(missed, point.depth - point.normal_W.dot(carried(a, point, 1.0) - carried(b, point, 1.0)));
+    Contact& contact = contacts.emplace_back(make_contact(a, b, point, kMaxContactsPerPair + k));
+    pair->touch_W[k] = point.p_W;
+    contact.depth = depth;
+    contact.p_W =
+        (begin_a - point.p_W).squaredNorm() > (begin_b - point.p_W).squaredNorm() ? begin_a : begin_b;
+  }
+  const bool holds = !is_new && missed <= std::max(kHeldM, kHeldShare * crossing.thickness);
+  if (!is_new && !holds) pair->tighter += missed;
+  for (std::size_t i = first; i < contacts.size(); ++i)
+    contacts[i].depth = std::min(contacts[i].depth + pair->tighter, -kLeastGapM);
+  const bool any = contacts.size() > first;
+  std::ranges::sort(contacts, {}, [](const Contact& one) {
+    return std::tuple(one.shape_a.value, one.shape_b.value, one.feature);
+  });
+  return any && !holds;
 }
 
 const std::vector<world::BodyId>& CollisionStage::limited() const {
@@ -207,6 +287,7 @@ bool CollisionStage::Impl::find_by_fcl(const world::WorldState& state, std::vect
 bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& contacts) {
   contacts.clear();
   Impl& of = *impl_;
+  of.foreseen.clear();
   ++of.call;
   if (of.fcl) return of.find_by_fcl(state, contacts);
   of.travel.follow(state);

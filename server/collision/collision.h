@@ -21,7 +21,7 @@ struct Contact {
   std::int32_t feature = 0;  // stable number of the point within its pair
   Eigen::Vector3d p_W;       // midway between the surfaces
   Eigen::Vector3d normal_W;  // unit, from b to a: pushing a along it separates the two
-  double depth = 0.0;        // > 0: overlap
+  double depth = 0.0;        // > 0: overlap; < 0: the gap of a foreseen contact
   double friction = 0.0;
   double restitution = 0.0;
   double rolling_friction = 0.0, torsional_friction = 0.0;  // m
@@ -33,7 +33,8 @@ struct Contact {
   Eigen::Vector3d torque_on_a_W = Eigen::Vector3d::Zero();
 };
 
-// Bodies that no joint holds, and those that joints hold.
+// Whether bodies that no joint holds, and bodies that joints hold, move so far in a step that they might pass
+// through others.
 struct FastBodies {
   bool free = false, linked = false;
 };
@@ -53,17 +54,20 @@ class CollisionStage {
   // met. Returns false if there are more than kMaxContacts; `contacts` then holds the first of them only.
   bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
-  // After a step: whether any body of a kind moved so far that it may have passed through another one. None
-  // where the model has no continuous collision.
+  // After a step: looks how far bodies have moved. None is fast where the model has no continuous collision.
   FastBodies find_fast(const world::WorldState& before, const world::WorldState& after);
   // After a step: leaves fast free bodies where they first touched another body, if they would have passed
   // through it within the tick (sweep.h). They keep their velocity. Does nothing where the model has no
   // continuous collision.
   void hold_back(const world::WorldState& before, world::WorldState& after);
-  // After a step: the share of it after which a fast linked body first touches another one that is not free,
-  // and that it did not touch when the step began, if it would pass through it. 1: none does, or the model
-  // has no continuous collision.
-  double first_crossing(const world::WorldState& before, const world::WorldState& after);
+  // After a step that was tried: adds to `contacts`, in their order, those that fast linked bodies would need
+  // in it, so that they do not pass through others (sweep.h). Their depth is below 0: the gap as the step
+  // begins, at the points that then touch. Where those of an earlier try have not held, they are made
+  // tighter. Returns whether the step should be tried again with them. find() forgets earlier tries.
+  bool foresee(const world::WorldState& before, const world::WorldState& after,
+               std::vector<Contact>& contacts);
+  // After the last try: takes out those that did nothing, and puts the others where they touch.
+  void finish_foreseen(std::vector<Contact>& contacts) const;
   // Returns, for the last find(), the bodies of pairs with meshes whose work met its limit (WorldModel::
   // collision_work_limit), each once, in the order of the pairs, at most kMaxNamed. Such pairs keep the
   // contacts of a sample of their triangles. Each pair with a mesh has an equal share of the limit, and what

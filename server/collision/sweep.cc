@@ -38,18 +38,32 @@ double turning_reach_of(const PreparedShape& shape, const Eigen::Vector3d& p_BC)
   return reach;
 }
 
+// The axis through the centre of mass about which a cylinder or capsule is round; 0: there is none.
+Eigen::Vector3d round_axis(const PreparedShape& shape, const Eigen::Vector3d& p_BC) {
+  constexpr double kSameM = 1e-9;
+  const Eigen::Vector3d axis = shape.X_BS.q * Eigen::Vector3d::UnitZ();
+  const bool is_round = shape.kind == world::ShapeKind::kCylinder || shape.kind == world::ShapeKind::kCapsule;
+  return is_round && (shape.X_BS.p - p_BC).cross(axis).norm() < kSameM ? axis : Eigen::Vector3d::Zero();
+}
+
 // The quaternion that means the same rotation as `to` and lies nearer to `from`.
 Eigen::Vector4d nearer_to(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
   return from.dot(to) < 0.0 ? (-to.coeffs()).eval() : to.coeffs();
 }
 
-// The pose of a body's centre of mass on its way: positions go straight, rotations along the chord of the two
-// quaternions.
-world::Pose between(const world::BodyState& from, const world::BodyState& to, double share) {
+// The pose of a body's centre of mass on its way: rotations go along the chord of the two quaternions,
+// positions straight but for the bend.
+world::Pose between(const world::BodyState& from, const world::BodyState& to, const Eigen::Vector3d& bend,
+                    double share) {
   const Eigen::Vector4d chord = nearer_to(from.q_WB, to.q_WB) - from.q_WB.coeffs();
   Eigen::Quaterniond q(from.q_WB.coeffs() + share * chord);
   q.normalize();
-  return {from.p_WC + share * (to.p_WC - from.p_WC), q};
+  return {from.p_WC + share * (to.p_WC - from.p_WC) - share * (1.0 - share) * bend, q};
+}
+
+// The rotation vector's direction times the sine of half its angle, of the way from one to the other.
+Eigen::Vector3d turning(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  return (Eigen::Quaterniond(nearer_to(from, to)) * from.conjugate()).vec();
 }
 
 Eigen::AlignedBox3d widened(Eigen::AlignedBox3d box, double by) {
@@ -68,17 +82,20 @@ struct Sweep::Way {
   const world::BodyState &from, &to;
 
   void put(double share, Placed& placed) const {
-    const world::Pose C = between(from, to, share);
+    const world::Pose C = between(from, to, body.bend, share);
     const world::Pose X_WS = link_pose(model, {C.p, C.q, from.v_WC, from.w_WB}) * shape.X_BS;
     placed.R = X_WS.q.toRotationMatrix();
     placed.p = X_WS.p;
   }
   // Unit, about which the body turns on its way; 0: it does not.
-  Eigen::Vector3d axis() const {
-    const Eigen::Quaterniond to_near(nearer_to(from.q_WB, to.q_WB));
-    return (to_near * from.q_WB.conjugate()).vec().stableNormalized();
-  }
+  Eigen::Vector3d axis() const { return turning(from.q_WB, to.q_WB).stableNormalized(); }
 };
+
+Sweep::Way Sweep::way_of(const PreparedShape& shape, const world::WorldState& before,
+                         const world::WorldState& after) const {
+  const std::size_t i = shape.body.index();
+  return {shape, bodies_[i], model_.bodies[i], before.bodies[i], after.bodies[i]};
+}
 
 Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model)
     : model_(model), bodies_(model.bodies.size()) {
@@ -89,7 +106,11 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
     body.thickness = std::min(body.thickness, thickness_of(shape));
     body.turning_reach =
         std::max(body.turning_reach, turning_reach_of(shape, model.bodies[shape.body.index()].p_BC));
-    if (!shape.fixed) moving_.push_back(shape.body.index());
+    if (shape.fixed) continue;
+    const bool is_first = std::ranges::find(moving_, shape.body.index()) == moving_.end();
+    body.round_B =
+        is_first ? round_axis(shape, model.bodies[shape.body.index()].p_BC) : Eigen::Vector3d::Zero();
+    moving_.push_back(shape.body.index());
   }
   std::sort(moving_.begin(), moving_.end());
   moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
@@ -108,6 +129,7 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
 // Along the chord of two quaternions a point at r from the centre of mass goes by at most sqrt(2) times 2 r
 // the chord: the chord's middle, where the rotation is fastest, is at least 1/sqrt(2) away from 0.
 FastBodies Sweep::find_fast(const world::WorldState& before, const world::WorldState& after) {
+  const double tick_s = 1e-9 * static_cast<double>(model_.tick_ns);
   double farthest = 0.0;
   // By how much a body moves farther than it may, at most; by kind.
   std::array<double, 3> beyond;
@@ -119,6 +141,9 @@ FastBodies Sweep::find_fast(const world::WorldState& before, const world::WorldS
     body.way = to.p_WC - from.p_WC;
     body.turn = 2.0 * std::numbers::sqrt2 * body.turning_reach *
                 (nearer_to(from.q_WB, to.q_WB) - from.q_WB.coeffs()).norm();
+    if (body.kind == Kind::kLinked) body.bend = tick_s * to.v_WC - body.way;
+    if (body.round_B != Eigen::Vector3d::Zero())
+      body.turn *= turning(from.q_WB, to.q_WB).stableNormalized().cross(from.q_WB * body.round_B).norm();
     const double moved = body.way.norm() + body.turn;
     farthest = std::max(farthest, moved);
     double& of_kind = beyond[static_cast<std::size_t>(body.kind)];
@@ -132,13 +157,10 @@ void Sweep::hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, con
                       world::WorldState& after) {
   for (int round = 0; round < kMostRounds && find_fast(before, after).free; ++round) {
     list_pairs(Kind::kFree, shapes, broad, before, after);
-    const auto way_of = [&](const PreparedShape& shape) {
-      const std::size_t i = shape.body.index();
-      return Way{shape, bodies_[i], model_.bodies[i], before.bodies[i], after.bodies[i]};
-    };
     for (const auto& [first, second] : pairs_) {
       Body& held = bodies_[shapes[first].body.index()];
-      const auto share = first_touch(way_of(shapes[first]), way_of(shapes[second]));
+      const auto share =
+          first_touch(way_of(shapes[first], before, after), way_of(shapes[second], before, after));
       if (share.value_or(1.0) >= held.share) continue;
       held.share = *share;
       held.other = shapes[second].body;
@@ -153,18 +175,51 @@ void Sweep::hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, con
   }
 }
 
-double Sweep::first_crossing(std::vector<PreparedShape>& shapes, BroadPhase& broad,
-                             const world::WorldState& before, const world::WorldState& after) {
-  double first = 1.0;
-  if (!find_fast(before, after).linked) return first;
+const std::vector<Sweep::Crossing>& Sweep::find_crossings(std::vector<PreparedShape>& shapes,
+                                                          BroadPhase& broad, const world::WorldState& before,
+                                                          const world::WorldState& after) {
+  crossings_.clear();
+  if (!find_fast(before, after).linked) return crossings_;
   list_pairs(Kind::kLinked, shapes, broad, before, after);
   for (const auto& [i, j] : pairs_) {
-    const std::size_t a = shapes[i].body.index(), b = shapes[j].body.index();
-    const Way way_a{shapes[i], bodies_[a], model_.bodies[a], before.bodies[a], after.bodies[a]};
-    const Way way_b{shapes[j], bodies_[b], model_.bodies[b], before.bodies[b], after.bodies[b]};
-    first = std::min(first, first_touch(way_a, way_b).value_or(1.0));
+    const auto share = first_touch(way_of(shapes[i], before, after), way_of(shapes[j], before, after));
+    if (share)
+      crossings_.push_back(
+          {std::min(i, j), std::max(i, j), *share, thickness_of(shapes[i]) + thickness_of(shapes[j])});
   }
-  return first;
+  return crossings_;
+}
+
+void Sweep::put(world::BodyId body, double share, const world::WorldState& before,
+                const world::WorldState& after, world::WorldState& at) const {
+  const std::size_t i = body.index();
+  const world::Pose C = between(before.bodies[i], after.bodies[i], bodies_[i].bend, share);
+  at.bodies[i] = {C.p, C.q, before.bodies[i].v_WC, before.bodies[i].w_WB};
+}
+
+Eigen::Vector3d Sweep::carry(const PreparedShape& shape, const Eigen::Vector3d& p_W, double from, double to,
+                             const world::WorldState& before, const world::WorldState& after) const {
+  if (shape.fixed) return p_W;
+  const Way way = way_of(shape, before, after);
+  const world::Pose first = between(way.from, way.to, way.body.bend, from);
+  const world::Pose then = between(way.from, way.to, way.body.bend, to);
+  // Nothing of a ball moves but its centre.
+  const Eigen::Vector3d centre_C = shape.X_BS.p - way.model.p_BC;
+  if (shape.kind == world::ShapeKind::kSphere)
+    return p_W + (then.p + then.q * centre_C) - (first.p + first.q * centre_C);
+  Eigen::Quaterniond turned = then.q * first.q.conjugate();
+  // Without its share about the axis (swing and twist).
+  if (way.body.round_B != Eigen::Vector3d::Zero()) {
+    const Eigen::Vector3d axis = first.q * way.body.round_B, about = turned.vec().dot(axis) * axis;
+    turned =
+        turned * Eigen::Quaterniond(turned.w(), about.x(), about.y(), about.z()).normalized().conjugate();
+  }
+  return then.p + turned * (p_W - first.p);
+}
+
+// How far a body on its way may be beyond the boxes of its begin and its end, m.
+double Sweep::beyond_boxes(const Body& body) {
+  return body.turn + 0.25 * body.bend.norm() + kOverlapM;
 }
 
 void Sweep::list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase& broad,
@@ -176,7 +231,7 @@ void Sweep::list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase
     if (shape.box_W.isEmpty() || shape.near_W.isEmpty())
       shape.near_W.setEmpty();
     else
-      shape.near_W = widened(shape.near_W.merged(shape.box_W), bodies_[shape.body.index()].turn + kOverlapM);
+      shape.near_W = widened(shape.near_W.merged(shape.box_W), beyond_boxes(bodies_[shape.body.index()]));
   }
   pairs_.clear();
   for (const IndexPair& pair : broad.find(shapes)) add_pair(kind, shapes, pair);
@@ -213,7 +268,7 @@ std::optional<double> Sweep::first_touch_with_mesh(const Way& mesh, const Way& c
   // The box around the convex shape's way as the mesh sees it, in the mesh's frame at the tick's begin.
   const Eigen::Matrix3d R = shape.placed.R.transpose();
   const Eigen::AlignedBox3d box = box_around(
-      widened(convex.shape.near_W, mesh.body.way.norm() + mesh.body.turn), R, -(R * shape.placed.p));
+      widened(convex.shape.near_W, mesh.body.way.norm() + beyond_boxes(mesh.body)), R, -(R * shape.placed.p));
   std::optional<double> first;
   shape.mesh->visit(
       [&](const Eigen::AlignedBox3d& node) { return node.intersects(box); },
@@ -228,10 +283,15 @@ std::optional<double> Sweep::first_touch_with_mesh(const Way& mesh, const Way& c
   return first;
 }
 
+// m in the whole tick, at most, by which turning and the bend bring a body nearer along a direction.
+double Sweep::closing_by_turn(const Body& body, const Eigen::Vector3d& axis, const Eigen::Vector3d& along) {
+  return body.turn * axis.cross(along).norm() + std::abs(body.bend.dot(along));
+}
+
 // Each step goes as far as the gap allows along the direction in which the shapes are apart, or overlap
 // least. Shapes that touch from the beginning may come a little deeper if the body is free: the other end of
 // a plate that has landed on one edge is not to swing through the floor. Linked ones that touch have contacts
-// already, and only a touch makes it worth to divide the tick.
+// already, and only a touch is worth another try.
 std::optional<double> Sweep::first_touch_of_convex(const Way& way_a, Placed a, const Way& way_b, Placed b,
                                                    double thickness) {
   const double least = std::min(kOverlapM, kOverlapShare * thickness);
@@ -247,8 +307,8 @@ std::optional<double> Sweep::first_touch_of_convex(const Way& way_a, Placed a, c
     if (step == 0) wanted = std::max(overlap, 0.0) + least;
     if (overlap > kDeepShare * thickness) return std::nullopt;  // too deep to be told what is in front
     // m in the whole tick
-    const double closing = way_a.body.turn * axis_a.cross(apart_W).norm() +
-                           way_b.body.turn * axis_b.cross(apart_W).norm() - apart_W.dot(way);
+    const double closing = closing_by_turn(way_a.body, axis_a, apart_W) +
+                           closing_by_turn(way_b.body, axis_b, apart_W) - apart_W.dot(way);
     if (closing <= kDeepShare * thickness || (1.0 - share) * closing <= least) return std::nullopt;
     if (overlap > wanted - 0.5 * least) return share;
     share += (wanted - overlap) / closing;
@@ -271,10 +331,12 @@ void Sweep::leave_at_touch(std::size_t body, const world::WorldState& before,
                            world::WorldState& after) const {
   const Body& held = bodies_[body];
   const std::size_t other = held.other.index();
-  world::Pose touching = between(before.bodies[body], after.bodies[body], held.share);
+  world::Pose touching = between(before.bodies[body], after.bodies[body], held.bend, held.share);
   if (!model_.bodies[other].fixed) {
-    const world::Pose then = between(before.bodies[other], after.bodies[other], held.share);
-    touching = between(before.bodies[other], after.bodies[other], 1.0) * (then.inverse() * touching);
+    const world::Pose then =
+        between(before.bodies[other], after.bodies[other], bodies_[other].bend, held.share);
+    touching = between(before.bodies[other], after.bodies[other], bodies_[other].bend, 1.0) *
+               (then.inverse() * touching);
   }
   after.bodies[body].p_WC = touching.p;
   after.bodies[body].q_WB = touching.q;

@@ -5,10 +5,11 @@
 // finds the contact.
 //
 // Only free bodies are held back, which no joint holds: a linked one cannot be moved alone. For linked ones
-// the search tells when in the tick the first of them touches something, and the caller makes the tick in
-// parts (dynamics/world_step.h). Two meshes are not searched. Planes need no search, since nothing gets
-// behind a plane. The search is conservative advancement: B. Mirtich, Impulse-based Dynamic Simulation of
-// Rigid Body Systems (1996), 2.3.
+// the search tells what they would pass through and where they first touch it. The caller makes contacts of
+// that, and the step anew (CollisionStage::foresee()).
+//
+// Two meshes are not searched. Planes need no search, since nothing gets behind a plane. The search is
+// conservative advancement: B. Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), 2.3.
 #pragma once
 
 #include <cstddef>
@@ -34,10 +35,25 @@ class Sweep {
   // Places the shapes anew and changes their near_W. The result depends on the two states alone.
   void hold_back(std::vector<PreparedShape>& shapes, BroadPhase& broad, const world::WorldState& before,
                  world::WorldState& after);
-  // The share of the way after which a linked body first touches one that is not free, and that it did not
-  // touch at first; 1: none has to be told. Changes the shapes as hold_back() does.
-  double first_crossing(std::vector<PreparedShape>& shapes, BroadPhase& broad,
-                        const world::WorldState& before, const world::WorldState& after);
+  // Two shapes that pass through each other on their way from `before` to `after`.
+  struct Crossing {
+    std::uint32_t first, second;  // indices of the shapes, in order
+    double share;                 // of the way, after which they first touch
+    double thickness;             // m, half of both
+  };
+  // The crossings of linked bodies with each other and with bodies that nothing moves, in the order of their
+  // shapes. Those that touch from the beginning are left out. Changes the shapes as hold_back() does. Valid
+  // until the next call.
+  const std::vector<Crossing>& find_crossings(std::vector<PreparedShape>& shapes, BroadPhase& broad,
+                                              const world::WorldState& before,
+                                              const world::WorldState& after);
+  // For the two states of the last find_crossings(): puts a body where it is after a share of its way.
+  void put(world::BodyId body, double share, const world::WorldState& before, const world::WorldState& after,
+           world::WorldState& at) const;
+  // Where a point of a shape's surface is after the share `to` of the way, if it is at p_W after the share
+  // `from`. The surface of what is round does not move where it spins.
+  Eigen::Vector3d carry(const PreparedShape& shape, const Eigen::Vector3d& p_W, double from, double to,
+                        const world::WorldState& before, const world::WorldState& after) const;
 
  private:
   // Whose way a search follows: that of bodies that no joint holds, or of those that joints hold. Fixed and
@@ -47,16 +63,24 @@ class Sweep {
     Kind kind = Kind::kOther;
     double thickness = 0.0;      // m, half of the smallest side of its thinnest shape
     double turning_reach = 0.0;  // m, from the centre of mass to the farthest point that turning moves
+    // In B, unit, through the centre of mass: the shape is round about it, and spin moves nothing. 0: none.
+    Eigen::Vector3d round_B = Eigen::Vector3d::Zero();
     // In this tick:
     Eigen::Vector3d way = Eigen::Vector3d::Zero();  // m, of the centre of mass
     double turn = 0.0;                              // m, at least as far as turning moves any point
+    // m: a linked body's way bends as its velocity in the end says. Half of the tick is 1/4 of this off.
+    Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     // Where it first touches something:
     double share = 1.0;  // of the tick; 1: nowhere
     world::BodyId other;
   };
   struct Way;
 
-  // Fills pairs_ with pairs of shapes that may cross; the first is of the body that is to be held back.
+  Way way_of(const PreparedShape& shape, const world::WorldState& before,
+             const world::WorldState& after) const;
+
+  // Fills pairs_ with pairs of shapes that may cross. The first is of the body that is held back, if it is
+  // free.
   void list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase& broad,
                   const world::WorldState& before, const world::WorldState& after);
   void add_pair(Kind kind, const std::vector<PreparedShape>& shapes, const IndexPair& pair);
@@ -65,6 +89,8 @@ class Sweep {
   std::optional<double> first_touch_with_mesh(const Way& mesh, const Way& convex);
   std::optional<double> first_touch_of_convex(const Way& way_a, Placed a, const Way& way_b, Placed b,
                                               double thickness);
+  static double beyond_boxes(const Body& body);
+  static double closing_by_turn(const Body& body, const Eigen::Vector3d& axis, const Eigen::Vector3d& along);
   std::pair<Eigen::Vector3d, double> least_overlap(const Placed& a, const Placed& b);
   // Leaves a body where it touches: in the frame of the other body, which goes on.
   void leave_at_touch(std::size_t body, const world::WorldState& before, world::WorldState& after) const;
@@ -73,6 +99,7 @@ class Sweep {
   std::vector<Body> bodies_;
   std::vector<std::size_t> moving_;  // bodies with shapes that are not fixed
   std::vector<IndexPair> pairs_;
+  std::vector<Crossing> crossings_;
   GjkSolver solver_;
   MovingTriangle triangle_;
 };

@@ -196,8 +196,11 @@ void Simulation::act() {
 
 void Simulation::collide() {
   if (collision_->find(state_, contacts_)) return;
+  const auto& last = contacts_.back();
   before_ = state_;
-  freeze(dynamics::too_many_contacts(model(), contacts_));
+  freeze("more than " + std::to_string(contacts_.size()) + " contacts in one tick: the last is between '" +
+         model().bodies[last.body_a.index()].name + "' and '" + model().bodies[last.body_b.index()].name +
+         "'");
   contacts_.clear();
 }
 

@@ -1,9 +1,8 @@
 // One tick of a whole world: its engines, its kinematic bodies, and continuous collision.
 //
 // Fast free bodies are left where they first touch something (collision/sweep.h). A linked one cannot be
-// moved alone. So where a linked body would pass through something within the tick, the tick is made in
-// parts: up to the touch, then, with the contacts of that moment, what is left of it. All bodies take part in
-// them, so that what a gripper holds stays in it.
+// moved alone. Where one would pass through something, the tick is made again from its start, with contacts
+// that the first try has foreseen: the bodies may come as near as to touch.
 #pragma once
 
 #include <functional>
@@ -20,7 +19,7 @@
 namespace visum::dynamics {
 
 // The simulation owns it; tick's thread. `model` and `collision` must outlive it. A step fails where an
-// engine fails, or where a part of a tick has more contacts than a world may have.
+// engine fails.
 class WorldStep {
  public:
   WorldStep(const world::WorldModel& model, collision::CollisionStage& collision)
@@ -34,35 +33,26 @@ class WorldStep {
     std::function<void(std::uint32_t)> entering = {};  // is told the number of each engine before it steps
     config::Profile* profile = nullptr;                // may be none
   };
-  // Moves `state` by one tick, from `before`, which is the same at first. `contacts` are those of that
-  // moment, and get their forces. Where the tick is made in parts, they are those of all parts; forces and
-  // efforts are means over the tick. Warns where kMostParts are not enough; what was left of the tick is then
-  // left out.
+  // Moves `state` by one tick, from `before`, which is the same at first. `contacts` are those of the last
+  // find() of the collision stage; they get their forces, and foreseen ones that acted join them. Warns where
+  // kMostTries were not enough.
   StepResult make(const Tick& tick, const world::WorldState& before,
                   std::vector<collision::Contact>& contacts, world::WorldState& state);
 
-  static constexpr int kMostParts = 8;  // of one tick
+  static constexpr int kMostTries = 6;
 
  private:
-  // Moves everything by `part_s`, through whatever is in the way.
-  StepResult make_part(const Tick& tick, double part_s, const world::WorldState& start,
-                       std::span<collision::Contact> contacts, world::WorldState& state);
-  StepResult make_in_parts(const Tick& tick, double share, const world::WorldState& before,
-                           std::vector<collision::Contact>& contacts, world::WorldState& state);
-  // Takes the forces of a part into account, as means over the tick.
-  void count(double share, std::span<const collision::Contact> contacts, const world::WorldState& state);
+  StepResult try_once(const Tick& tick, const world::WorldState& before,
+                      std::span<collision::Contact> contacts, world::WorldState& state);
+  // Returns whether the tick should be tried again.
+  bool foresee(const Tick& tick, const world::WorldState& before, const world::WorldState& state,
+               std::vector<collision::Contact>& contacts);
 
   const world::WorldModel& model_;
   collision::CollisionStage& collision_;
   const world::KinematicTree kinematic_;
   Coupling coupling_;
-  // For a tick in parts:
-  world::WorldState start_;                  // of the part
-  std::vector<collision::Contact> counted_;  // of all parts so far
-  std::vector<double> efforts_;              // by JointId
+  collision::FastBodies fast_;  // in the last try
 };
-
-// Says that a world has more contacts than it may have. `contacts`: those that were found, not empty.
-std::string too_many_contacts(const world::WorldModel& model, std::span<const collision::Contact> contacts);
 
 }  // namespace visum::dynamics

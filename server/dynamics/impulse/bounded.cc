@@ -166,6 +166,7 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       // The impulses at t count for the friction cone, and P2 may take back P1.
       Eigen::Map<Vector3d>(block.base.data()) = touch.impulse[kHit] + touch.impulse[kAhead];
       target[0] -= yield * block.base[0];
+      if (touch.foreseen) target[0] += touch.bounce;
       block.low = -touch.impulse[kAhead][0];
   }
 }

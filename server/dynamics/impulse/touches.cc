@@ -98,7 +98,8 @@ bool find_hits(Plant& plant, std::size_t island, double h) {
     touch.bounce =
         speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
     touch.returned = touch.bounce / speed;
-    touch.hits = any = true;
+    // A foreseen contact is reached in the end of the step, and bounces there.
+    if (!touch.foreseen) touch.hits = any = true;
   });
   // A stop is hit if the axis reaches it within the step at its present velocity.
   plant.for_axes(island, [&](Axis& axis) {
@@ -223,6 +224,7 @@ void load_touch(const Plant& plant, std::span<const collision::Contact> contacts
   if (touch.a >= 0 && touch.b >= 0) touch.bias += touch.turn.cross(touch.turn.cross(touch.ra - touch.rb));
   find_centres(plant, contact, touch);
   touch.depth = contact.depth;
+  touch.foreseen = contact.depth < 0.0;
   touch.friction = contact.friction;
   touch.restitution = contact.restitution;
   touch.rolling_friction = contact.rolling_friction;

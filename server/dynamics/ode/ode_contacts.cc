@@ -21,7 +21,8 @@ void copy(const Eigen::Vector3d& from, dReal* to) {
 }
 
 dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& normal_W,
-                      const Eigen::Vector3d& relative_velocity, double erp, double cfm) {
+                      const Eigen::Vector3d& relative_velocity, const world::EngineSetting& setting,
+                      double tick_s) {
   dContact result{};  // zeroed, because ODE also reads fields that the mode does not name
   copy(contact.p_W, result.geom.pos);
   copy(normal_W, result.geom.normal);
@@ -30,9 +31,13 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
   surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
   surface.mu = contact.friction;
   // Approx1 makes friction proportional to the normal force.
-  surface.soft_erp = erp;
-  surface.soft_cfm = std::max(kSoftness, cfm);
-  if (contact.restitution > 0.0) {
+  surface.soft_erp = setting.erp;
+  surface.soft_cfm = std::max(kSoftness, setting.cfm);
+  if (contact.depth < 0.0) {
+    // A foreseen contact: the bodies may close the gap within the tick.
+    surface.mode |= dContactMotionN;
+    surface.motionN = contact.depth / tick_s;
+  } else if (contact.restitution > 0.0) {
     surface.mode |= dContactBounce;
     surface.bounce = contact.restitution;
     surface.bounce_vel = kLeastBounceSpeed;
@@ -58,8 +63,8 @@ dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& 
 
 OdeContacts::OdeContacts() : group_(dJointGroupCreate(0)) {}
 
-void OdeContacts::make(OdeWorld& world, double erp, double cfm, std::span<const collision::Contact> contacts,
-                       const world::WorldState& state) {
+void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting, double tick_s,
+                       std::span<const collision::Contact> contacts, const world::WorldState& state) {
   clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     if (world.owns(contacts[i].body_a) || world.owns(contacts[i].body_b)) made_.push_back({i});
@@ -77,7 +82,7 @@ void OdeContacts::make(OdeWorld& world, double erp, double cfm, std::span<const 
     const Eigen::Vector3d normal = turned ? (-contact.normal_W).eval() : contact.normal_W;
     const Eigen::Vector3d relative = velocity_at(world.model(), state, first, contact.p_W) -
                                      velocity_at(world.model(), state, second, contact.p_W);
-    const dContact surface = make_contact(contact, normal, relative, erp, cfm);
+    const dContact surface = make_contact(contact, normal, relative, setting, tick_s);
     const dJointID joint = dJointCreateContact(world.id(), group_.get(), &surface);
     dJointAttach(joint, world.body(first), world.body(second));
     dJointSetFeedback(joint, &made.feedback);

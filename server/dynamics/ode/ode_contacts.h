@@ -21,8 +21,8 @@ class OdeContacts {
 
   // Makes those that touch a body of this engine, and wakes the stand-ins of bodies that another engine
   // moves.
-  void make(OdeWorld& world, double erp, double cfm, std::span<const collision::Contact> contacts,
-            const world::WorldState& state);
+  void make(OdeWorld& world, const world::EngineSetting& setting, double tick_s,
+            std::span<const collision::Contact> contacts, const world::WorldState& state);
   // After the step: fills in the forces of the same contacts.
   void report(std::span<collision::Contact> contacts) const;
   void clear();

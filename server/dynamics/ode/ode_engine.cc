@@ -140,14 +140,10 @@ class OdeEngine : public Engine {
 
   // Loads everything that a step acts on, from the state and the input alone.
   void prepare(const StepInput& input, const world::WorldState& state) {
-    // The setting is of a whole tick: a part of it corrects less, at the same speed.
-    const double erp =
-        setting().erp * std::min(1.0, input.tick_s / (1e-9 * static_cast<double>(model_.tick_ns)));
     mechanism_->world.load(state);
-    mechanism_->world.set_erp(erp);
-    mechanism_->contacts.make(mechanism_->world, erp, setting().cfm, input.contacts, state);
+    mechanism_->contacts.make(mechanism_->world, setting(), input.tick_s, input.contacts, state);
     for (std::size_t i = 0; i < mechanism_->joints.size(); ++i)
-      mechanism_->joints[i].apply(input.drives[mechanism_->joint_ids[i].index()], state, erp);
+      mechanism_->joints[i].apply(input.drives[mechanism_->joint_ids[i].index()], state);
     push(input.wrenches);
   }
 

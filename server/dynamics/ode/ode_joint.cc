@@ -121,9 +121,9 @@ void OdeJoint::add_effort(double effort) {
     dJointAddSliderForce(joint_, effort);
 }
 
-void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& state, double erp) {
+void OdeJoint::apply(const hwparts::JointDrive& drive, const world::WorldState& state) {
   if (motor_ == nullptr) return;
-  set_stops(joint_, model_, state.joints[id_.index()].position, erp);
+  set_stops(joint_, model_, state.joints[id_.index()].position);
   // A drive takes the place of the model's friction and damping.
   const bool driven = !says_nothing(drive);
   const double damping = driven ? 0.0 : model_.damping;

@@ -23,7 +23,7 @@ class OdeJoint {
   OdeJoint(OdeWorld& world, const world::WorldModel& model, world::JointId id);
 
   // Before the step, with the bodies in place: sets stops, motor and feedforward.
-  void apply(const hwparts::JointDrive& drive, const world::WorldState& state, double erp);
+  void apply(const hwparts::JointDrive& drive, const world::WorldState& state);
   // After the step: the effort that drive, friction and damping transmitted, N·m or N.
   double effort() const;
 

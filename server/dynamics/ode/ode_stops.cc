@@ -24,6 +24,7 @@ void set_hinge_stops(dJointID joint, const world::Joint& model, double position)
 void prepare_stops(dJointID joint, const world::Joint& model, const world::EngineSetting& setting) {
   if (!model.limited) return;
   const auto set = model.kind == world::JointKind::kHinge ? dJointSetHingeParam : dJointSetSliderParam;
+  set(joint, dParamStopERP, setting.erp);
   set(joint, dParamStopCFM, setting.cfm);
   set(joint, dParamBounce, model.stop_restitution);
   if (model.kind == world::JointKind::kHinge) return;
@@ -31,11 +32,8 @@ void prepare_stops(dJointID joint, const world::Joint& model, const world::Engin
   set(joint, dParamHiStop, model.upper);
 }
 
-void set_stops(dJointID joint, const world::Joint& model, double position, double erp) {
-  if (!model.limited) return;
-  const bool hinge = model.kind == world::JointKind::kHinge;
-  (hinge ? dJointSetHingeParam : dJointSetSliderParam)(joint, dParamStopERP, erp);
-  if (hinge) set_hinge_stops(joint, model, position);
+void set_stops(dJointID joint, const world::Joint& model, double position) {
+  if (model.limited && model.kind == world::JointKind::kHinge) set_hinge_stops(joint, model, position);
 }
 
 }  // namespace visum::dynamics::ode

@@ -10,8 +10,7 @@ namespace visum::dynamics::ode {
 // Sets the parameters that do not change. `joint` is a hinge or a slider.
 void prepare_stops(dJointID joint, const world::Joint& model, const world::EngineSetting& setting);
 
-// To be called before each step, with the bodies in place. `position` says in which turn the joint is, `erp`
-// is the share of an overlap that the step takes out.
-void set_stops(dJointID joint, const world::Joint& model, double position, double erp);
+// To be called before each step, with the bodies in place. `position` says in which turn the joint is.
+void set_stops(dJointID joint, const world::Joint& model, double position);
 
 }  // namespace visum::dynamics::ode

@@ -45,6 +45,7 @@ OdeWorld::OdeWorld(const world::WorldModel& model, std::int32_t engine_index)
       bodies_(model.bodies.size(), nullptr) {
   const world::EngineSetting& setting = model.engines[static_cast<std::size_t>(engine_index)];
   dWorldSetGravity(id(), model.gravity.x(), model.gravity.y(), model.gravity.z());
+  dWorldSetERP(id(), setting.erp);
   dWorldSetCFM(id(), setting.cfm);
   dWorldSetQuickStepNumIterations(id(), setting.step == "quick" ? setting.iterations : kStandInIterations);
   dWorldSetContactMaxCorrectingVel(id(), kMaxSeparatingSpeed);

@@ -30,8 +30,6 @@ class OdeWorld {
   // Loads poses and velocities bit for bit, and clears forces. A stand-in takes part in a step only if
   // wake_stand_in() is called after this.
   void load(const world::WorldState& state);
-  // The share of a joint's error that the next step corrects.
-  void set_erp(double erp) { dWorldSetERP(id(), erp); }
   void wake_stand_in(world::BodyId id, const world::WorldState& state);
   void store(world::WorldState& state) const;
 

@@ -1,5 +1,5 @@
 // Bodies that joints hold do not pass through others either, when they move by more than their own thickness
-// within a tick: with any engine that may make a tick in parts.
+// within a tick: with any engine that may make a tick more than once.
 #include <cmath>
 #include <numbers>
 
@@ -54,17 +54,23 @@ TEST_P(FastLinkedBodies, WithoutContinuousCollisionItDoes) {
   EXPECT_GT(lab.body("ball").p_WC.x(), 1.0);
 }
 
-// It bounces within the tick: no time is lost at the plate.
-TEST_P(FastLinkedBodies, ABallOnARailBouncesOffAtOnce) {
-  Lab lab(shot(-1.0, 1.0).model);
-  const int ticks = 30;
-  lab.run_ticks(ticks);
-  EXPECT_NEAR(lab.body("ball").v_WC.x(), -kSpeed, 0.02 * kSpeed);
-  const double way = ticks * 1e-3 * kSpeed;
-  EXPECT_NEAR(lab.body("ball").p_WC.x(), 2.0 * kAtPlateM + 1.0 - way, 0.02 * way);
+// A hit that is foreseen bounces in the end of its tick. ODE's contacts let the body come near at first, so
+// that it bounces with what is left of its speed then.
+TEST_P(FastLinkedBodies, ABallOnARailBouncesOff) {
+  const bool at_once = GetParam().engine.name == "impulse";
+  for (int i = 0; i < 13; ++i) {
+    Lab lab(shot(-1.0 - 0.01 * i, 0.5).model);
+    lab.run_ticks(30);
+    const double speed = -lab.body("ball").v_WC.x();
+    if (at_once) {
+      EXPECT_NEAR(speed, 0.5 * kSpeed, 0.02 * kSpeed) << i;
+    } else {
+      EXPECT_LE(speed, 0.5 * kSpeed) << i;
+    }
+    EXPECT_LT(lab.body("ball").p_WC.x(), kAtPlateM + 1e-3) << i;
+  }
 }
 
-// The forces of the parts are means over the tick: together they are what stopped the ball.
 TEST_P(FastLinkedBodies, TheForcesOfTheHitAddUpToItsImpulse) {
   Lab lab(shot(-1.03).model);
   double impulse = 0.0;
@@ -117,8 +123,8 @@ TEST_P(FastLinkedBodies, TwoOnRailsThatMeetDoNotSwapPlaces) {
   EXPECT_LT(lab.kinetic_energy(), 0.05 * kBallKg * kSpeed * kSpeed);
 }
 
-// A tray on a rail, with a box on it that nothing holds but friction. Before the tray hits the plate, the box
-// has moved with it, also in the part of the tick before the hit.
+// A tray on a rail, with a box on it that nothing holds but friction. Up to the hit the box moves with the
+// tray.
 TEST_P(FastLinkedBodies, WhatIsCarriedComesAlongUpToTheHit) {
   auto b = builder();
   const BodyId tray = b.add_box("tray", {0.2, 0.2, 0.02}, 5.0, at(-0.5, 0, 0));
@@ -128,16 +134,15 @@ TEST_P(FastLinkedBodies, WhatIsCarriedComesAlongUpToTheHit) {
   b.add_joint("rail", world::JointKind::kSlider, {}, tray, {-0.5, 0, 0}, {1, 0, 0});
   Lab lab(b.model);
   int ticks = 0;
-  while (lab.body("tray").v_WC.x() > 30.0 && ++ticks < 30) {
+  while (lab.body("tray").p_WC.x() < -0.12 && ++ticks < 30) {
     EXPECT_NEAR(lab.body("box").p_WC.x(), lab.body("tray").p_WC.x(), 1e-3) << ticks;
     lab.run_ticks(1);
   }
-  // It goes on where the tray has stopped, from where the tray has carried it.
   EXPECT_NEAR(lab.body("tray").p_WC.x(), -0.1 - 0.5 * kSheetM, 2e-3);
   EXPECT_NEAR(lab.body("box").p_WC.x(), -0.5 + 0.06 * ticks, 2e-3);
 }
 
-// A body that falls elsewhere does not notice that the tick is made in parts.
+// A body that falls elsewhere does not notice, but for the order of a step with contacts.
 TEST_P(FastLinkedBodies, OthersGoOnAsTheyWould) {
   const auto fall = [&](bool plate) {
     auto b = shot(plate ? -1.03 : -100.0);
@@ -147,7 +152,7 @@ TEST_P(FastLinkedBodies, OthersGoOnAsTheyWould) {
     lab.run_ticks(30);
     return lab.body("other").p_WC.z();
   };
-  EXPECT_NEAR(fall(true), fall(false), 2e-6);
+  EXPECT_NEAR(fall(true), fall(false), 1e-12);
 }
 
 // A miss is a miss: as if the plate were not there, to the bit.
@@ -182,18 +187,135 @@ TEST_P(FastLinkedBodies, ARotorBesideAWallTurnsOn) {
   EXPECT_EQ(turned(0.002), turned(1.0));
 }
 
-// A ball that bounces between two plates, more often in a tick than it may have parts. It stays between them,
-// and the ticks warn.
-TEST_P(FastLinkedBodies, MoreHitsThanPartsAreToldAndHold) {
+// Thin ones that are near when the tick begins, in coarse ticks.
+TEST_P(FastLinkedBodies, ThinSheetsStopThinOnes) {
+  for (const double tick_s : {1e-3, 1e-2}) {
+    for (const double gap : {1e-4, 1e-3, 1e-2}) {
+      for (const double speed : {30.0, 100.0}) {
+        auto b = builder();
+        b.model.tick_ns = std::llround(1e9 * tick_s);
+        b.model.gravity.setZero();
+        b.add_fixed_box("sheet", {0.002, 1, 1}, at(0, 0, 0));
+        const double start = -0.002 - gap;
+        const BodyId plate = b.add_box("plate", {0.002, 0.1, 0.1}, 0.1, at(start, 0, 0));
+        b.body(plate).v_WB = {speed, 0, 0};
+        b.add_joint("rail", world::JointKind::kSlider, {}, plate, {start, 0, 0}, {1, 0, 0});
+        Lab lab(b.model);
+        lab.run_ticks(10);
+        EXPECT_NEAR(lab.body("plate").p_WC.x(), -0.002, 2e-4) << tick_s << " " << gap << " " << speed;
+        EXPECT_EQ(lab.warned_ticks, 0) << tick_s << " " << gap << " " << speed;
+      }
+    }
+  }
+}
+
+// A finger that a drive presses from rest. The tick is as long as any, and ends at the wall.
+TEST_P(FastLinkedBodies, AFingerThatIsPressedFromRestStopsAtTheWall) {
+  for (const double gap : {1e-3, 5e-3, 2e-2}) {
+    auto b = builder();
+    b.model.tick_ns = 10'000'000;
+    b.add_fixed_box("wall", {0.004, 1, 1}, at(0, 0, 0));
+    const double start = -0.007 - gap;
+    const BodyId finger = b.add_box("finger", {0.01, 0.02, 0.02}, 0.1, at(start, 0, 0));
+    b.add_joint("rail", world::JointKind::kSlider, {}, finger, {start, 0, 0}, {1, 0, 0});
+    b.add_sphere("other", 0.1, 1.0, at(0, 50, 0));
+    Lab lab(b.model);
+    lab.drive("rail") = {.target_velocity = 0.0, .compliance = 1e9, .max_effort = 1e-9, .feedforward = 100.0};
+    for (int k = 0; k < 20; ++k) {
+      lab.run_ticks(1);
+      ASSERT_LT(lab.body("finger").p_WC.x(), -0.006) << gap << " " << k;
+    }
+    EXPECT_NEAR(lab.body("finger").p_WC.x(), -0.007, 5e-4) << gap;
+    EXPECT_NEAR(lab.normal_force_between("finger", "wall"), 100.0, 5.0) << gap;
+    EXPECT_NEAR(lab.body("other").v_WC.z(), -9.81 * 0.2, 1e-6) << "no time is lost";
+  }
+}
+
+// A rod on a hinge that turns by up to 0.6 rad in a tick, and a post near its end.
+TEST_P(FastLinkedBodies, ARodDoesNotTurnThroughAPost) {
+  const bool keeps_its_joint = GetParam().engine.name == "impulse";
+  for (const double turn : {0.1, 0.3, 0.6}) {
+    for (int i = 0; i < 10; ++i) {
+      auto b = builder();
+      b.model.tick_ns = 10'000'000;
+      b.model.gravity.setZero();
+      const double angle = 0.2 + 0.1 * i * turn;  // before the post
+      b.add_fixed_box("post", {0.02, 0.02, 0.3}, at(0.9, 0, 0));
+      const BodyId rod = b.add_box("rod", {1.0, 0.02, 0.02}, 1.0,
+                                   at(0.5 * std::cos(angle), -0.5 * std::sin(angle), 0, -angle, {0, 0, 1}));
+      const double w = 100.0 * turn;
+      b.body(rod).w_WB = {0, 0, w};
+      b.body(rod).v_WB = 0.5 * w * Eigen::Vector3d(std::sin(angle), std::cos(angle), 0);
+      b.add_joint("pivot", world::JointKind::kHinge, {}, rod, {0, 0, 0}, {0, 0, 1});
+      Lab lab(b.model);
+      double most = 0.0;
+      for (int k = 0; k < 20; ++k) {
+        lab.run_ticks(1);
+        most = std::max(most, lab.joint("pivot").position);
+      }
+      if (keeps_its_joint || turn < 0.2) {
+        EXPECT_LT(most, angle) << turn << " rad in a tick, from " << angle;
+      }
+    }
+  }
+}
+
+TEST_P(FastLinkedBodies, AMeshStopsABallOnARail) {
+  auto b = shot(-1.02);
+  b.model.meshes.push_back(
+      {"sheet", {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}, {{0, 2, 1}, {0, 3, 2}}});
+  for (auto& shape : b.model.shapes) {
+    if (shape.kind != world::ShapeKind::kBox) continue;
+    shape.kind = world::ShapeKind::kMesh;
+    shape.mesh = {0};
+    shape.size = {};
+  }
+  Lab lab(b.model);
+  lab.run_ticks(30);
+  EXPECT_NEAR(lab.body("ball").p_WC.x(), -kRadiusM, 1e-3);
+}
+
+// A kinematic sheet that comes fast takes a ball on a rail with it.
+TEST_P(FastLinkedBodies, AKinematicBodyPushesOneOnARail) {
+  auto b = builder();
+  b.model.gravity.setZero();
+  const BodyId sheet = b.add_box("sheet", {kSheetM, 1, 1}, 1.0, at(-1.02, 0, 0));
+  b.body(sheet).kinematic = true;
+  b.body(sheet).engine = -1;
+  b.body(sheet).v_WB = {60.0, 0, 0};
+  const BodyId ball = b.add_sphere("ball", kRadiusM, kBallKg, at(0, 0, 0));
+  b.add_joint("rail", world::JointKind::kSlider, {}, ball, {0, 0, 0}, {1, 0, 0});
+  Lab lab(b.model);
+  for (int k = 0; k < 30; ++k) {
+    lab.run_ticks(1);
+    ASSERT_GT(lab.body("ball").p_WC.x(), lab.body("sheet").p_WC.x()) << k;
+  }
+  EXPECT_NEAR(lab.body("ball").v_WC.x(), 60.0, 1.0);
+}
+
+// A tick depends on its state alone: a world that is restored before the hit goes on with the same bits.
+TEST_P(FastLinkedBodies, ARestoredWorldHitsAlike) {
+  Lab lab(shot(-1.03, 0.3).model);
+  lab.run_ticks(5);
+  const world::WorldState kept = lab.state;
+  lab.run_ticks(10);
+  const std::uint64_t end = lab.hash();
+  Lab other(shot(-1.03, 0.3).model);
+  other.run_ticks(20);
+  other.state = kept;
+  other.run_ticks(10);
+  EXPECT_EQ(other.hash(), end);
+}
+
+// A ball that bounces between two plates, many times its way in a tick apart. It stays between them.
+TEST_P(FastLinkedBodies, ABallBetweenTwoPlatesStaysThere) {
   auto b = shot(kAtPlateM - 0.004, 1.0);
   b.add_fixed_box("other", {kSheetM, 2, 2}, at(2.0 * kAtPlateM - 0.008, 0, 0), {1});
   Lab lab(b.model);
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 100; ++i) {
     lab.run_ticks(1);
-    ASSERT_LT(lab.body("ball").p_WC.x(), 0.0) << i;
-    ASSERT_GT(lab.body("ball").p_WC.x(), 2.0 * kAtPlateM - 0.008) << i;
+    ASSERT_NEAR(lab.body("ball").p_WC.x(), kAtPlateM - 0.004, 0.004 + 0.5 * kRadiusM) << i;
   }
-  EXPECT_GT(lab.warned_ticks, 0);
 }
 
 }  // namespace

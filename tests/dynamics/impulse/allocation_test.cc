@@ -69,8 +69,8 @@ TEST_P(Allocation, StepsInHalvesNeedNone) {
   }
 }
 
-// A ball on a rail hits a plate: the tick of the hit is made in parts.
-TEST_P(Allocation, TicksInPartsNeedNone) {
+// A ball on a rail hits a plate: the tick of the hit is made twice.
+TEST_P(Allocation, ForeseenContactsNeedNone) {
   ModelBuilder b(GetParam().setting);
   b.add_fixed_box("plate", {0.01, 1, 1}, at(0, 0, 0));
   const BodyId ball = b.add_sphere("ball", 0.02, 0.26, at(-0.5, 0, 0));
