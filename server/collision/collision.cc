@@ -22,9 +22,12 @@ bool has_mesh(const PreparedShape& a, const PreparedShape& b) {
   return a.mesh != nullptr || b.mesh != nullptr;
 }
 
-// A foreseen contact holds where it ends no deeper than this, or than this share of both half thicknesses.
-constexpr double kHeldM = 2e-4, kHeldShare = 0.1;
+// A foreseen contact holds if it ends no deeper than this, or than this share of both half thicknesses: the
+// next tick finds it.
+constexpr double kHeldM = 2e-4, kHeldShare = 0.25;
 constexpr double kLeastGapM = 1e-9;  // of a foreseen contact
+constexpr double kTogether = 0.05;   // share of the tick: crossings of one mechanism that count as one
+constexpr std::uint64_t kForeseenShare = 8;  // of the work limit, for the points of one crossing
 
 // Shapes that are this far apart (m) are found apart by a fresh look, too.
 constexpr double kSurelyApartM = 1e-4;
@@ -98,15 +101,16 @@ struct CollisionStage::Impl {
   std::vector<world::BodyId> limited;
   // A pair of shapes with contacts that were foreseen since the last find().
   struct Foreseen {
-    world::ShapeId a, b;
+    std::uint32_t first, second;
     double tighter = 0.0;  // m, by which their contacts have been made tighter
     std::array<Eigen::Vector3d, kMaxContactsPerPair> touch_W{};
   };
   std::vector<Foreseen> foreseen;
-  world::WorldState at;  // bodies only, where a pair touches
-
+  world::WorldState at;                               // bodies only, where a pair touches
+  std::vector<std::pair<std::size_t, double>> begun;  // by mechanism: share of its first crossing
+  bool is_among_first(const Sweep::Crossing& crossing);
   bool foresee(const Sweep::Crossing& crossing, const world::WorldState& before,
-               const world::WorldState& after, std::vector<Contact>& contacts);
+               const world::WorldState& after, std::vector<Contact>* contacts);
 };
 
 namespace {
@@ -144,13 +148,39 @@ void CollisionStage::hold_back(const world::WorldState& before, world::WorldStat
 }
 
 bool CollisionStage::foresee(const world::WorldState& before, const world::WorldState& after,
-                             std::vector<Contact>& contacts) {
+                             std::vector<Contact>* contacts) {
   Impl& of = *impl_;
+  const std::vector<Sweep::Crossing>& crossings = of.sweep.find_crossings(of.shapes, of.broad, before, after);
+  if (crossings.empty()) return false;
   of.at.bodies = before.bodies;
-  bool changed = false;
-  for (const Sweep::Crossing& crossing : of.sweep.find_crossings(of.shapes, of.broad, before, after))
-    changed = of.foresee(crossing, before, after, contacts) || changed;
-  return changed;
+  of.begun.clear();
+  bool again = false;
+  for (const Sweep::Crossing& crossing : crossings) {
+    const bool is_known = std::ranges::any_of(of.foreseen, [&](const Impl::Foreseen& pair) {
+      return pair.first == crossing.first && pair.second == crossing.second;
+    });
+    if (!is_known && !of.is_among_first(crossing)) continue;
+    again = of.foresee(crossing, before, after, contacts) || again;
+  }
+  if (again && contacts != nullptr)
+    std::ranges::sort(*contacts, {}, [](const Contact& one) {
+      return std::tuple(one.shape_a.value, one.shape_b.value, one.feature);
+    });
+  return again;
+}
+
+// Crossings come in the order in which they begin.
+bool CollisionStage::Impl::is_among_first(const Sweep::Crossing& crossing) {
+  bool first = true;
+  for (const std::size_t mechanism : {crossing.first_mechanism, crossing.second_mechanism}) {
+    if (mechanism == Sweep::kNone) continue;
+    const auto known = std::ranges::find(begun, mechanism, &std::pair<std::size_t, double>::first);
+    if (known == begun.end())
+      begun.emplace_back(mechanism, crossing.share);
+    else
+      first = first && crossing.share <= known->second + kTogether;
+  }
+  return first;
 }
 
 void CollisionStage::finish_foreseen(std::vector<Contact>& contacts) const {
@@ -159,8 +189,9 @@ void CollisionStage::finish_foreseen(std::vector<Contact>& contacts) const {
   for (Contact& one : contacts) {
     if (one.depth >= 0.0) continue;
     one.depth = 0.0;
+    one.to_b_W.setZero();
     for (const Impl::Foreseen& pair : impl_->foreseen)
-      if (pair.a == one.shape_a && pair.b == one.shape_b)
+      if (impl_->shapes[pair.first].id == one.shape_a && impl_->shapes[pair.second].id == one.shape_b)
         one.p_W = pair.touch_W[static_cast<std::size_t>(one.feature) - kMaxContactsPerPair];
   }
 }
@@ -169,46 +200,49 @@ void CollisionStage::finish_foreseen(std::vector<Contact>& contacts) const {
 // normals when the step begins is the gap. A body that turns moves its points on arcs, which a contact takes
 // for lines: what is overlapped in the end tightens the contacts of the next try.
 bool CollisionStage::Impl::foresee(const Sweep::Crossing& crossing, const world::WorldState& before,
-                                   const world::WorldState& after, std::vector<Contact>& contacts) {
+                                   const world::WorldState& after, std::vector<Contact>* contacts) {
   PreparedShape &a = shapes[crossing.first], &b = shapes[crossing.second];
   for (const world::BodyId body : {a.body, b.body}) sweep.put(body, crossing.share, before, after, at);
   place(a, model, at);
   place(b, model, at);
-  const std::vector<Point>& points = narrow.find(a, b, model.collision_work_limit);
+  const std::vector<Point>& points = narrow.find(a, b, model.collision_work_limit / kForeseenShare);
   const auto carried = [&](const PreparedShape& shape, const Point& point, double to) {
     return sweep.carry(shape, point.p_W, crossing.share, to, before, after);
   };
-  auto pair = std::ranges::find_if(foreseen,
-                                   [&](const Foreseen& other) { return other.a == a.id && other.b == b.id; });
-  const bool is_new = pair == foreseen.end();
-  if (is_new) pair = foreseen.insert(pair, {a.id, b.id});
+  const auto depth_at = [&](const Point& point, double share) {
+    return point.depth - point.normal_W.dot(carried(a, point, share) - carried(b, point, share));
+  };
+  // Points that are not apart at first have contacts already.
   double missed = 0.0;
-  std::erase_if(contacts, [&](const Contact& one) {
+  bool any = false;
+  for (const Point& point : points) {
+    if (depth_at(point, 0.0) >= 0.0) continue;
+    missed = std::max(missed, depth_at(point, 1.0));
+    any = true;
+  }
+  auto pair = std::ranges::find_if(foreseen, [&](const Foreseen& other) {
+    return other.first == crossing.first && other.second == crossing.second;
+  });
+  const bool is_new = pair == foreseen.end();
+  const bool holds = !is_new && missed <= std::max(kHeldM, kHeldShare * crossing.thickness);
+  if (!any || holds) return false;
+  if (contacts == nullptr) return true;
+  if (is_new) pair = foreseen.insert(pair, {crossing.first, crossing.second});
+  if (!is_new) pair->tighter += missed;
+  std::erase_if(*contacts, [&](const Contact& one) {
     return one.depth < 0.0 && one.shape_a == a.id && one.shape_b == b.id;
   });
-  const std::size_t first = contacts.size();
-  for (std::size_t k = 0; k < points.size() && contacts.size() < kMaxContacts; ++k) {
+  for (std::size_t k = 0; k < points.size() && contacts->size() < kMaxContacts; ++k) {
     const Point& point = points[k];
-    const Eigen::Vector3d begin_a = carried(a, point, 0.0), begin_b = carried(b, point, 0.0);
-    const double depth = point.depth - point.normal_W.dot(begin_a - begin_b);
-    if (depth >= 0.0) continue;  // of triangles that touch already
-    missed =
-        std::max(missed, point.depth - point.normal_W.dot(carried(a, point, 1.0) - carried(b, point, 1.0)));
-    Contact& contact = contacts.emplace_back(make_contact(a, b, point, kMaxContactsPerPair + k));
+    const double depth = depth_at(point, 0.0);
+    if (depth >= 0.0) continue;
     pair->touch_W[k] = point.p_W;
-    contact.depth = depth;
-    contact.p_W =
-        (begin_a - point.p_W).squaredNorm() > (begin_b - point.p_W).squaredNorm() ? begin_a : begin_b;
+    Contact& contact = contacts->emplace_back(make_contact(a, b, point, kMaxContactsPerPair + k));
+    contact.depth = std::min(depth + pair->tighter, -kLeastGapM);
+    contact.p_W = carried(a, point, 0.0);
+    contact.to_b_W = carried(b, point, 0.0) - contact.p_W;
   }
-  const bool holds = !is_new && missed <= std::max(kHeldM, kHeldShare * crossing.thickness);
-  if (!is_new && !holds) pair->tighter += missed;
-  for (std::size_t i = first; i < contacts.size(); ++i)
-    contacts[i].depth = std::min(contacts[i].depth + pair->tighter, -kLeastGapM);
-  const bool any = contacts.size() > first;
-  std::ranges::sort(contacts, {}, [](const Contact& one) {
-    return std::tuple(one.shape_a.value, one.shape_b.value, one.feature);
-  });
-  return any && !holds;
+  return true;
 }
 
 const std::vector<world::BodyId>& CollisionStage::limited() const {

@@ -18,7 +18,8 @@ class PreparedMeshes;
 struct Contact {
   world::ShapeId shape_a, shape_b;
   world::BodyId body_a, body_b;
-  std::int32_t feature = 0;  // stable number of the point within its pair
+  // Stable number of the point within its pair; from kMaxContactsPerPair on for those that are foreseen.
+  std::int32_t feature = 0;
   Eigen::Vector3d p_W;       // midway between the surfaces
   Eigen::Vector3d normal_W;  // unit, from b to a: pushing a along it separates the two
   double depth = 0.0;        // > 0: overlap; < 0: the gap of a foreseen contact
@@ -31,6 +32,8 @@ struct Contact {
   // N·m, likewise: the moment of rolling and torsional friction, beside the moment of the force at p_W. It is
   // 0 from engines of plug-ins, which do not report it, and where a body sleeps.
   Eigen::Vector3d torque_on_a_W = Eigen::Vector3d::Zero();
+  // Only of foreseen contacts during a tick, whose p_W is the point of a: from it to that of b.
+  Eigen::Vector3d to_b_W = Eigen::Vector3d::Zero();
 };
 
 // Whether bodies that no joint holds, and bodies that joints hold, move so far in a step that they might pass
@@ -60,12 +63,13 @@ class CollisionStage {
   // through it within the tick (sweep.h). They keep their velocity. Does nothing where the model has no
   // continuous collision.
   void hold_back(const world::WorldState& before, world::WorldState& after);
-  // After a step that was tried: adds to `contacts`, in their order, those that fast linked bodies would need
-  // in it, so that they do not pass through others (sweep.h). Their depth is below 0: the gap as the step
-  // begins, at the points that then touch. Where those of an earlier try have not held, they are made
-  // tighter. Returns whether the step should be tried again with them. find() forgets earlier tries.
+  // After a step that was tried: whether it should be tried again, since linked bodies have passed through
+  // others (sweep.h). Then adds to `contacts`, in their order, what they need in that step. The depth of such
+  // a contact is below 0: the gap at the step's begin between the points that will touch. Of a mechanism only
+  // the first crossings count, since a contact may change what follows. A contact that has not held is made
+  // tighter. Without `contacts` it only tells. find() forgets earlier tries.
   bool foresee(const world::WorldState& before, const world::WorldState& after,
-               std::vector<Contact>& contacts);
+               std::vector<Contact>* contacts);
   // After the last try: takes out those that did nothing, and puts the others where they touch.
   void finish_foreseen(std::vector<Contact>& contacts) const;
   // Returns, for the last find(), the bodies of pairs with meshes whose work met its limit (WorldModel::

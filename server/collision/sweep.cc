@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "server/world/joint_kinds.h"
 
@@ -16,8 +17,10 @@ constexpr double kOverlapM = 2e-4;
 constexpr double kOverlapShare = 0.1;  // and with no more than this share of both thicknesses
 // Bodies that close in by less than this share of both thicknesses do not get past each other in a tick.
 constexpr double kDeepShare = 0.5;
-constexpr int kMostSteps = 64;  // of one search; a free body is then left where the search has come to
-constexpr int kMostRounds = 4;  // bodies that are held back by others that are held back
+constexpr int kMostSteps = 64;       // of one search; a free body is then left where the search has come to
+constexpr double kBendShare = 0.25;  // by which a way is off its line at most
+constexpr double kSameAxis = 1e-9;   // sine of the angle between two axes
+constexpr int kMostRounds = 4;       // bodies that are held back by others that are held back
 
 // How deep another body may be in a shape before it comes out behind, m.
 double thickness_of(const PreparedShape& shape) {
@@ -100,6 +103,7 @@ Sweep::Way Sweep::way_of(const PreparedShape& shape, const world::WorldState& be
 Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& model)
     : model_(model), bodies_(model.bodies.size()) {
   for (Body& body : bodies_) body.thickness = std::numeric_limits<double>::infinity();
+  std::vector<int> shape_counts(model.bodies.size(), 0);
   for (const PreparedShape& shape : shapes) {
     Body& body = bodies_[shape.body.index()];
     if (shape.box_S.isEmpty()) continue;
@@ -107,9 +111,10 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
     body.turning_reach =
         std::max(body.turning_reach, turning_reach_of(shape, model.bodies[shape.body.index()].p_BC));
     if (shape.fixed) continue;
-    const bool is_first = std::ranges::find(moving_, shape.body.index()) == moving_.end();
-    body.round_B =
-        is_first ? round_axis(shape, model.bodies[shape.body.index()].p_BC) : Eigen::Vector3d::Zero();
+    // A body is round if all of its shapes are, about one axis.
+    const Eigen::Vector3d axis = round_axis(shape, model.bodies[shape.body.index()].p_BC);
+    if (shape_counts[shape.body.index()]++ == 0) body.round_B = axis;
+    if (axis.isZero(0.0) || axis.cross(body.round_B).norm() > kSameAxis) body.round_B.setZero();
     moving_.push_back(shape.body.index());
   }
   std::sort(moving_.begin(), moving_.end());
@@ -123,6 +128,24 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
     if (!world::info(joint.kind).holds_anything) continue;
     link(joint.parent);
     link(joint.child);
+  }
+  number_mechanisms();
+}
+
+// Joints come in any order, so the smallest number spreads until nothing changes.
+void Sweep::number_mechanisms() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (bodies_[i].kind == Kind::kLinked) bodies_[i].mechanism = i;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const world::Joint& joint : model_.joints) {
+      if (!joint.parent.valid()) continue;
+      std::size_t& a = bodies_[joint.parent.index()].mechanism;
+      std::size_t& b = bodies_[joint.child.index()].mechanism;
+      if (a == b || a == kNone || b == kNone) continue;
+      a = b = std::min(a, b);
+      changed = true;
+    }
   }
 }
 
@@ -144,7 +167,7 @@ FastBodies Sweep::find_fast(const world::WorldState& before, const world::WorldS
     if (body.kind == Kind::kLinked) body.bend = tick_s * to.v_WC - body.way;
     if (body.round_B != Eigen::Vector3d::Zero())
       body.turn *= turning(from.q_WB, to.q_WB).stableNormalized().cross(from.q_WB * body.round_B).norm();
-    const double moved = body.way.norm() + body.turn;
+    const double moved = body.way.norm() + body.turn + kBendShare * body.bend.norm();
     farthest = std::max(farthest, moved);
     double& of_kind = beyond[static_cast<std::size_t>(body.kind)];
     of_kind = std::max(of_kind, moved - kDeepShare * body.thickness);
@@ -183,10 +206,18 @@ const std::vector<Sweep::Crossing>& Sweep::find_crossings(std::vector<PreparedSh
   list_pairs(Kind::kLinked, shapes, broad, before, after);
   for (const auto& [i, j] : pairs_) {
     const auto share = first_touch(way_of(shapes[i], before, after), way_of(shapes[j], before, after));
+    const auto mechanism_of = [&](std::size_t k) { return bodies_[shapes[k].body.index()].mechanism; };
     if (share)
-      crossings_.push_back(
-          {std::min(i, j), std::max(i, j), *share, thickness_of(shapes[i]) + thickness_of(shapes[j])});
+      crossings_.push_back({i, j, *share, thickness_of(shapes[i]) + thickness_of(shapes[j]), mechanism_of(i),
+                            mechanism_of(j)});
   }
+  for (Crossing& of : crossings_) {
+    if (of.first < of.second) continue;
+    std::swap(of.first, of.second);
+    std::swap(of.first_mechanism, of.second_mechanism);
+  }
+  std::ranges::sort(crossings_, {},
+                    [](const Crossing& of) { return std::tuple(of.share, of.first, of.second); });
   return crossings_;
 }
 
@@ -219,7 +250,7 @@ Eigen::Vector3d Sweep::carry(const PreparedShape& shape, const Eigen::Vector3d& 
 
 // How far a body on its way may be beyond the boxes of its begin and its end, m.
 double Sweep::beyond_boxes(const Body& body) {
-  return body.turn + 0.25 * body.bend.norm() + kOverlapM;
+  return body.turn + kBendShare * body.bend.norm() + kOverlapM;
 }
 
 void Sweep::list_pairs(Kind kind, std::vector<PreparedShape>& shapes, BroadPhase& broad,
@@ -245,8 +276,12 @@ void Sweep::add_pair(Kind kind, const std::vector<PreparedShape>& shapes, const 
   if (a.kind != kind && b.kind != kind) return;
   // Where a linked body meets a free one, the free one is held back.
   if (kind == Kind::kLinked && (a.kind == Kind::kFree || b.kind == Kind::kFree)) return;
+  // No engine sees a contact of two engines as one of its own (dynamics/coupling.h).
+  const auto engine_of = [&](const PreparedShape& shape) { return model_.bodies[shape.body.index()].engine; };
+  if (a.kind == Kind::kLinked && b.kind == Kind::kLinked && engine_of(first) != engine_of(second)) return;
   const double thickness = thickness_of(first) + thickness_of(second);
-  if ((a.way - b.way).norm() + a.turn + b.turn <= kDeepShare * thickness) return;
+  const double bends = kBendShare * (a.bend.norm() + b.bend.norm());
+  if ((a.way - b.way).norm() + a.turn + b.turn + bends <= kDeepShare * thickness) return;
   // The body that moved farther is held back, if both are of the kind.
   const bool holds_first =
       a.kind == kind && (b.kind != kind || a.way.norm() + a.turn >= b.way.norm() + b.turn);
@@ -303,7 +338,7 @@ std::optional<double> Sweep::first_touch_of_convex(const Way& way_a, Placed a, c
     way_a.put(share, a);
     way_b.put(share, b);
     const auto [apart_W, overlap] = least_overlap(a, b);
-    if (step == 0 && overlap >= 0.0 && !is_free) return std::nullopt;
+    if (step == 0 && overlap > 0.0 && !is_free) return std::nullopt;
     if (step == 0) wanted = std::max(overlap, 0.0) + least;
     if (overlap > kDeepShare * thickness) return std::nullopt;  // too deep to be told what is in front
     // m in the whole tick

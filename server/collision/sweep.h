@@ -5,8 +5,8 @@
 // finds the contact.
 //
 // Only free bodies are held back, which no joint holds: a linked one cannot be moved alone. For linked ones
-// the search tells what they would pass through and where they first touch it. The caller makes contacts of
-// that, and the step anew (CollisionStage::foresee()).
+// the search tells what they would pass through, and where they first touch it. The caller turns that into
+// contacts and makes the step again (CollisionStage::foresee()).
 //
 // Two meshes are not searched. Planes need no search, since nothing gets behind a plane. The search is
 // conservative advancement: B. Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), 2.3.
@@ -40,10 +40,13 @@ class Sweep {
     std::uint32_t first, second;  // indices of the shapes, in order
     double share;                 // of the way, after which they first touch
     double thickness;             // m, half of both
+    // Of either body, if it is linked: the smallest number of a body that joints connect with it; else kNone.
+    std::size_t first_mechanism, second_mechanism;
   };
-  // The crossings of linked bodies with each other and with bodies that nothing moves, in the order of their
-  // shapes. Those that touch from the beginning are left out. Changes the shapes as hold_back() does. Valid
-  // until the next call.
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  // The crossings of linked bodies with each other and with bodies that nothing moves, the earliest first.
+  // Left out are those that touch from the beginning, and those of two engines. Changes the shapes as
+  // hold_back() does. Valid until the next call.
   const std::vector<Crossing>& find_crossings(std::vector<PreparedShape>& shapes, BroadPhase& broad,
                                               const world::WorldState& before,
                                               const world::WorldState& after);
@@ -61,6 +64,7 @@ class Sweep {
   enum class Kind { kOther, kFree, kLinked };
   struct Body {  // by BodyId
     Kind kind = Kind::kOther;
+    std::size_t mechanism = kNone;
     double thickness = 0.0;      // m, half of the smallest side of its thinnest shape
     double turning_reach = 0.0;  // m, from the centre of mass to the farthest point that turning moves
     // In B, unit, through the centre of mass: the shape is round about it, and spin moves nothing. 0: none.
@@ -68,7 +72,8 @@ class Sweep {
     // In this tick:
     Eigen::Vector3d way = Eigen::Vector3d::Zero();  // m, of the centre of mass
     double turn = 0.0;                              // m, at least as far as turning moves any point
-    // m: a linked body's way bends as its velocity in the end says. Half of the tick is 1/4 of this off.
+    // m: a linked body's way bends as its velocity in the end says. Halfway it is off the line by a quarter
+    // of this.
     Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     // Where it first touches something:
     double share = 1.0;  // of the tick; 1: nowhere
@@ -76,6 +81,7 @@ class Sweep {
   };
   struct Way;
 
+  void number_mechanisms();
   Way way_of(const PreparedShape& shape, const world::WorldState& before,
              const world::WorldState& after) const;
 

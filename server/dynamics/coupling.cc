@@ -153,7 +153,7 @@ Coupling::Row Coupling::make_row(std::size_t index, const collision::Contact& co
   row.target = std::min((beyond < 0.0 ? 1.0 : kPushShare) * beyond / tick_s, kMostPush);
   const double speed =
       -n.dot(velocity_at(state.bodies[row.a], row.ra) - velocity_at(state.bodies[row.b], row.rb));
-  if (contact.depth >= 0.0 && speed > kFallTicks * tick_s * model_.gravity.norm())
+  if (speed > kFallTicks * tick_s * model_.gravity.norm())
     row.target = std::max(row.target, contact.restitution * speed);
   return row;
 }

@@ -7,15 +7,20 @@ namespace visum::dynamics {
 StepResult WorldStep::make(const Tick& tick, const world::WorldState& before,
                            std::vector<collision::Contact>& contacts, world::WorldState& state) {
   StepResult made = try_once(tick, before, contacts, state);
-  bool short_of_tries = false;
-  for (int tries = 1; made.ok && foresee(tick, before, state, contacts); ++tries) {
-    short_of_tries = tries == kMostTries;
-    if (short_of_tries) break;
+  std::uint64_t work = made.work;
+  for (int tries = 1; made.ok; ++tries) {
+    const bool is_last = tries == kMostTries;
+    if (!foresee(tick, before, state, is_last ? nullptr : &contacts)) break;
+    if (is_last) {
+      made.warned = true;
+      break;
+    }
     state = before;
     made = try_once(tick, before, contacts, state);
+    work += made.work;
   }
   if (!made.ok) return made;
-  made.warned = made.warned || short_of_tries;
+  made.work = work;
   collision_.finish_foreseen(contacts);
   if (fast_.free) {
     const config::ProfileScope measured(tick.profile, config::Profile::kCollision);
@@ -35,7 +40,7 @@ StepResult WorldStep::try_once(const Tick& tick, const world::WorldState& before
 
 // Engines of plug-ins are called once in a tick, so nothing is foreseen where there is one.
 bool WorldStep::foresee(const Tick& tick, const world::WorldState& before, const world::WorldState& state,
-                        std::vector<collision::Contact>& contacts) {
+                        std::vector<collision::Contact>* contacts) {
   const config::ProfileScope measured(tick.profile, config::Profile::kCollision);
   const auto may_repeat = [](const std::unique_ptr<Engine>& engine) { return engine->may_repeat(); };
   fast_ = collision_.find_fast(before, state);

@@ -17,6 +17,9 @@
 //           u_t + h a_t/2 = 0, or the contact slides
 //   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or it slides with the cone of all three impulses
 //
+// A contact that is foreseen (d < 0) takes part in `ahead` alone: the bodies come as near as to touch, and the
+// next step finds the contact.
+//
 // P2 may take back what P1 gave. A body at rest therefore has velocity zero at the end of each step, and an
 // impulse of h m g per step: half of it at t, half at t+h, as everything else has it.
 // Rolling and torsional friction, where surfaces have them: the bodies' relative angular velocity w is held
@@ -166,7 +169,6 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       // The impulses at t count for the friction cone, and P2 may take back P1.
       Eigen::Map<Vector3d>(block.base.data()) = touch.impulse[kHit] + touch.impulse[kAhead];
       target[0] -= yield * block.base[0];
-      if (touch.foreseen) target[0] += touch.bounce;
       block.low = -touch.impulse[kAhead][0];
   }
 }

@@ -160,7 +160,7 @@ void Bounded::respond(RowBlock& block, RowEnd& end, int body) const {
 void Bounded::add_touch(std::size_t index) {
   const Touch& touch = plant_.touches[index];
   if (touch.asleep) return;
-  if (moment_ == kHit ? touch.foreseen : moment_ == kAfter && !is_there_after(touch)) return;
+  if (touch.foreseen && moment_ != kAhead) return;
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
   // Contacts yield a little, except in a hit, which must bounce exactly. The start is the last impulse.

@@ -275,7 +275,7 @@ void IslandStepper::begin_after() {
   save_velocities();
   meet_touches(plant_, island_);
   plant_.for_touches(island_, [](Touch& touch) {
-    if (!is_there_after(touch)) return;
+    if (touch.foreseen) return;
     touch.impulse[kAfter] = touch.impulse[kAhead] + touch.frame.transpose() * touch.kept_change;
     touch.impulse[kAfter][0] = std::max(touch.impulse[kAfter][0], -touch.impulse[kAhead][0]);
     touch.twist[kAfter] = touch.twist[kAhead];

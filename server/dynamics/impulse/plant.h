@@ -105,7 +105,7 @@ struct Touch : TouchEnds {
   Vector3d bias;          // m/s², relative acceleration of A against B in free flight
   Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
   bool yields = false;    // one of the two bodies moves by another engine
-  bool foreseen = false;  // there is a gap yet, and the bodies may come as near as to touch
+  bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
   double rolling_friction = 0.0, torsional_friction = 0.0;
@@ -126,11 +126,6 @@ inline constexpr double kSurfaceLayerM = 5e-7;
 // The landings of note_landings(): the deepest that is left alone in coarse ticks, the time constant of the
 // rise from it, and the least that it rises in a tick.
 inline constexpr double kDeepestLandingM = 1e-4, kRiseS = 0.5, kSmallestRiseM = 1e-9;
-
-// False for a foreseen contact that the look-ahead has not reached.
-inline bool is_there_after(const Touch& touch) {
-  return !touch.foreseen || touch.impulse[kAhead][0] > 0.0;
-}
 
 // True if rolling or torsional friction acts at this contact.
 inline bool is_held_from_turning(const Touch& touch) {

@@ -92,14 +92,13 @@ bool find_hits(Plant& plant, std::size_t island, double h) {
     touch.hits = false;
     touch.bounce = 0.0;
     touch.returned = touch.restitution;
-    if (touch.restitution == 0.0) return;
+    if (touch.restitution == 0.0 || touch.foreseen) return;
     const double speed = -normal_speed(plant, touch);
     if (speed <= slow) return;
     touch.bounce =
         speed_after_hit(speed, touch.restitution, touch.depth, -touch.frame.col(0).dot(touch.bias));
     touch.returned = touch.bounce / speed;
-    // A foreseen contact is reached in the end of the step, and bounces there.
-    if (!touch.foreseen) touch.hits = any = true;
+    touch.hits = any = true;
   });
   // A stop is hit if the axis reaches it within the step at its present velocity.
   plant.for_axes(island, [&](Axis& axis) {
@@ -190,6 +189,7 @@ void load_touch(const Plant& plant, std::span<const collision::Contact> contacts
   touch.frame.col(2) = tangents.second;
   touch.foreign = touch.foreign_turn = Vector3d::Zero();
   touch.ra = touch.rb = touch.bias = Vector3d::Zero();
+  const Vector3d point_of_b = contact.p_W + contact.to_b_W;
   Vector3d turn_a = Vector3d::Zero(), turn_b = Vector3d::Zero();
   // Each body adds to the free fall, or, not moved by this engine, to the foreign velocity.
   if (touch.a >= 0) {
@@ -206,11 +206,11 @@ void load_touch(const Plant& plant, std::span<const collision::Contact> contacts
   }
   if (touch.b >= 0) {
     const auto b = static_cast<std::size_t>(touch.b);
-    touch.rb = contact.p_W - bodies.x[b];
+    touch.rb = point_of_b - bodies.x[b];
     touch.bias -= plant.model.gravity;
     turn_b = bodies.w[b];
   } else if (!plant.model.bodies[contact.body_b.index()].fixed) {
-    const Foreign motion = foreign_motion(state, contact.body_b, contact.p_W);
+    const Foreign motion = foreign_motion(state, contact.body_b, point_of_b);
     touch.yields = !plant.model.bodies[contact.body_b.index()].kinematic;
     touch.foreign -= motion.velocity;
     touch.foreign_turn -= motion.turn;

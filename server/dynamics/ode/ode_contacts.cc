@@ -20,11 +20,20 @@ void copy(const Eigen::Vector3d& from, dReal* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& normal_W,
-                      const Eigen::Vector3d& relative_velocity, const world::EngineSetting& setting,
-                      double tick_s) {
+// ODE has one point for both bodies. Where it is not the same for both, that of the slower one counts.
+Eigen::Vector3d point_of(const world::WorldModel& model, const world::WorldState& state,
+                         const collision::Contact& contact) {
+  if (contact.to_b_W.isZero(0.0)) return contact.p_W;
+  const Eigen::Vector3d of_b = contact.p_W + contact.to_b_W;
+  const double speed_a = velocity_at(model, state, contact.body_a, contact.p_W).squaredNorm();
+  return speed_a < velocity_at(model, state, contact.body_b, of_b).squaredNorm() ? contact.p_W : of_b;
+}
+
+dContact make_contact(const collision::Contact& contact, const Eigen::Vector3d& p_W,
+                      const Eigen::Vector3d& normal_W, const Eigen::Vector3d& relative_velocity,
+                      const world::EngineSetting& setting, double tick_s) {
   dContact result{};  // zeroed, because ODE also reads fields that the mode does not name
-  copy(contact.p_W, result.geom.pos);
+  copy(p_W, result.geom.pos);
   copy(normal_W, result.geom.normal);
   result.geom.depth = contact.depth;
   dSurfaceParameters& surface = result.surface;
@@ -78,11 +87,12 @@ void OdeContacts::make(OdeWorld& world, const world::EngineSetting& setting, dou
     const bool turned = made.turned = world.body(contact.body_a) == nullptr;
     const world::BodyId first = turned ? contact.body_b : contact.body_a;
     const world::BodyId second = turned ? contact.body_a : contact.body_b;
-    made.lever = contact.p_W - Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(world.body(first)));
+    const Eigen::Vector3d p_W = point_of(world.model(), state, contact);
+    made.lever = p_W - Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(world.body(first)));
     const Eigen::Vector3d normal = turned ? (-contact.normal_W).eval() : contact.normal_W;
-    const Eigen::Vector3d relative = velocity_at(world.model(), state, first, contact.p_W) -
-                                     velocity_at(world.model(), state, second, contact.p_W);
-    const dContact surface = make_contact(contact, normal, relative, setting, tick_s);
+    const Eigen::Vector3d relative =
+        velocity_at(world.model(), state, first, p_W) - velocity_at(world.model(), state, second, p_W);
+    const dContact surface = make_contact(contact, p_W, normal, relative, setting, tick_s);
     const dJointID joint = dJointCreateContact(world.id(), group_.get(), &surface);
     dJointAttach(joint, world.body(first), world.body(second));
     dJointSetFeedback(joint, &made.feedback);
