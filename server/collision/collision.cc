@@ -26,6 +26,7 @@ bool has_mesh(const PreparedShape& a, const PreparedShape& b) {
 // next tick finds it.
 constexpr double kHeldM = 2e-4, kHeldShare = 0.25;
 constexpr double kLeastGapM = 1e-9;  // of a foreseen contact
+constexpr double kTouchingM = 1e-7;  // points that overlap by more have contacts already
 constexpr double kTogether = 0.05;   // share of the tick: crossings of one mechanism that count as one
 constexpr std::uint64_t kForeseenShare = 8;  // of the work limit, for the points of one crossing
 
@@ -216,7 +217,7 @@ bool CollisionStage::Impl::foresee(const Sweep::Crossing& crossing, const world:
   double missed = 0.0;
   bool any = false;
   for (const Point& point : points) {
-    if (depth_at(point, 0.0) >= 0.0) continue;
+    if (depth_at(point, 0.0) > kTouchingM) continue;
     missed = std::max(missed, depth_at(point, 1.0));
     any = true;
   }
@@ -235,7 +236,7 @@ bool CollisionStage::Impl::foresee(const Sweep::Crossing& crossing, const world:
   for (std::size_t k = 0; k < points.size() && contacts->size() < kMaxContacts; ++k) {
     const Point& point = points[k];
     const double depth = depth_at(point, 0.0);
-    if (depth >= 0.0) continue;
+    if (depth > kTouchingM) continue;
     pair->touch_W[k] = point.p_W;
     Contact& contact = contacts->emplace_back(make_contact(a, b, point, kMaxContactsPerPair + k));
     contact.depth = std::min(depth + pair->tighter, -kLeastGapM);

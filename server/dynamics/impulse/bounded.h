@@ -33,6 +33,9 @@ class Bounded {
   // True if any row acts on the mechanism, which is one of the island.
   bool binds(std::size_t mechanism) const { return plant_.mechanism_bound[mechanism] != 0; }
 
+  // False if there is a row that nothing can move.
+  bool is_movable() const { return system_.movable; }
+
   // Solves the rows with the bodies' present velocities, and changes them. Returns the largest miss before:
   // by how much the velocities were not as the rows ask, m/s or rad/s.
   double solve();

@@ -140,6 +140,24 @@ bool IslandStepper::take_laws_as_rows(std::size_t m) {
   return true;
 }
 
+// A servo without compliance holds its axis in the tree whatever resists. Where contacts or stops find
+// nothing else that could give way, they would be ignored, and an arm of such axes would go through a wall.
+// As a row the servo knows its limit.
+bool IslandStepper::take_servos_as_rows() {
+  if (bounded_.is_movable()) return false;
+  const auto is_rigid = [](const Axis& axis) { return law_in_tree(axis) && axis.compliance_s == 0.0; };
+  bool any = false;
+  for (const std::size_t m : mechanisms()) {
+    bool drives = false;
+    for (const Axis& axis : plant_.acting_axes_of(m))
+      drives = drives || (is_rigid(axis) && axis.target != 0.0);
+    if (!drives || !bounded_.binds(m)) continue;
+    for (Axis& axis : plant_.acting_axes_of(m)) axis.boxed = axis.boxed || is_rigid(axis);
+    any = true;
+  }
+  return any;
+}
+
 bool IslandStepper::foresee(std::size_t island, IslandFate& fate) {
   begin(island, fate);
   save_velocities();
@@ -170,6 +188,7 @@ bool IslandStepper::find_impulses() {
     }
     // The look-ahead, with rows that may bind. A law of a loop that cannot hold its axis becomes a row.
     bounded_.build(island_, kAhead, plan_.h, fate_->course);
+    if (i + 1 < kMostChanges && take_servos_as_rows()) continue;
     note_energy();
     if (!look_ahead()) {
       if (i + 1 < kMostChanges && fate_->broken != nullptr && take_laws_as_rows(fate_->mechanism)) continue;

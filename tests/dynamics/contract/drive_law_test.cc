@@ -134,5 +134,63 @@ TEST_P(DriveLaw, DryFrictionBrakesToAStandAndHolds) {
   EXPECT_NEAR(lab.joint("joint").velocity, 0.0, 1e-6);
 }
 
+// A servo without compliance knows its limit, also where nothing else could give way: a finger that presses
+// on a wall, alone or at the end of an arm that other servos hold.
+TEST_P(DriveLaw, AnIdealServoStopsAtAWall) {
+  constexpr double kLimit = 20.0, kSpeed = 0.2;
+  for (const bool on_arm : {false, true}) {
+    for (const std::int64_t tick_ns : {1'000'000, 10'000'000}) {
+      auto b = builder();
+      b.model.tick_ns = tick_ns;
+      b.model.gravity.setZero();
+      b.add_fixed_box("wall", {0.1, 1, 1}, at(0.05, 0, 0));
+      BodyId arm;
+      if (on_arm) {
+        arm = b.add_box("arm", {0.1, 0.02, 0.02}, 1.0, at(-0.2, 0, 0));
+        b.add_joint("shoulder", world::JointKind::kSlider, {}, arm, {-0.2, 0, 0}, {0, 1, 0});
+      }
+      const BodyId finger = b.add_box("finger", {0.02, 0.02, 0.02}, 0.1, at(-0.03, 0, 0));
+      b.add_joint("rail", world::JointKind::kSlider, arm, finger, {-0.03, 0, 0}, {1, 0, 0});
+      Lab lab(b.model);
+      const auto drive = [&](double speed) {
+        lab.drive("rail") = {.target_velocity = speed, .compliance = 0.0, .max_effort = kLimit};
+        if (on_arm) lab.drive("shoulder") = {.target_velocity = 0.0, .compliance = 0.0, .max_effort = 1000.0};
+      };
+      drive(kSpeed);
+      for (int k = 0; k < 100; ++k) {
+        lab.run(0.01);
+        ASSERT_LT(lab.body("finger").p_WC.x(), -0.01 + 1.5e-3 * (1e-6 * static_cast<double>(tick_ns)))
+            << on_arm << " " << k;
+      }
+      EXPECT_NEAR(lab.normal_force_between("finger", "wall"), kLimit, 1e-2 * kLimit) << on_arm;
+      EXPECT_NEAR(lab.joint("rail").effort, kLimit, 1e-2 * kLimit) << on_arm;
+      EXPECT_LE(lab.warned_ticks, 1) << on_arm;  // ODE's direct solver may give up on one
+      // It lets go at once.
+      drive(-kSpeed);
+      lab.run(0.1);
+      EXPECT_NEAR(lab.body("finger").v_WC.x(), -kSpeed, 1e-3 * kSpeed) << on_arm;
+    }
+  }
+}
+
+// Two fingers of ideal servos that close on nothing meet, and press.
+TEST_P(DriveLaw, IdealFingersMeet) {
+  auto b = builder();
+  const BodyId hand = b.add_box("hand", {0.1, 0.1, 0.1}, 2.0, at(0, 0, 1));
+  b.add_joint("lift", world::JointKind::kSlider, {}, hand, {0, 0, 1}, {0, 0, 1});
+  const BodyId left = b.add_box("left", {0.02, 0.02, 0.05}, 0.1, at(-0.06, 0, 0.9));
+  const BodyId right = b.add_box("right", {0.02, 0.02, 0.05}, 0.1, at(0.06, 0, 0.9));
+  b.add_joint("close_left", world::JointKind::kSlider, hand, left, {-0.06, 0, 0.9}, {1, 0, 0});
+  b.add_joint("close_right", world::JointKind::kSlider, hand, right, {0.06, 0, 0.9}, {-1, 0, 0});
+  Lab lab(b.model);
+  lab.drive("lift") = {.target_velocity = 0.1, .compliance = 0.0, .max_effort = 1000.0};
+  for (const char* joint : {"close_left", "close_right"})
+    lab.drive(joint) = {.target_velocity = 0.2, .compliance = 0.0, .max_effort = 30.0};
+  lab.run(1.0);
+  EXPECT_NEAR(lab.body("right").p_WC.x() - lab.body("left").p_WC.x(), 0.02, 1e-3);
+  EXPECT_NEAR(lab.normal_force_between("left", "right"), 30.0, 0.3);
+  EXPECT_NEAR(lab.joint("lift").position, 0.1, 1e-3);
+}
+
 }  // namespace
 }  // namespace visum::dynamics::testing
