@@ -36,8 +36,8 @@ struct Contact {
   Eigen::Vector3d to_b_W = Eigen::Vector3d::Zero();
 };
 
-// Whether bodies that no joint holds, and bodies that joints hold, move so far in a step that they might pass
-// through others.
+// Tells if bodies that no joint holds, and bodies that joints hold, move so far in a step that they might
+// pass through others.
 struct FastBodies {
   bool free = false, linked = false;
 };

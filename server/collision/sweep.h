@@ -40,7 +40,8 @@ class Sweep {
     std::uint32_t first, second;  // indices of the shapes, in order
     double share;                 // of the way, after which they first touch
     double thickness;             // m, half of both
-    // Of either body, if it is linked: the smallest number of a body that joints connect with it; else kNone.
+    // For either body, if it is linked: the smallest number of a body that joints connect with it; else
+    // kNone.
     std::size_t first_mechanism, second_mechanism;
   };
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

@@ -44,7 +44,7 @@ class WorldStep {
  private:
   StepResult try_once(const Tick& tick, const world::WorldState& before,
                       std::span<collision::Contact> contacts, world::WorldState& state);
-  // Whether the tick should be tried again, with what is then added to the contacts, if there are any.
+  // Returns whether the tick should be tried again, with what is then added to `contacts`, if there are any.
   bool foresee(const Tick& tick, const world::WorldState& before, const world::WorldState& state,
                std::vector<collision::Contact>* contacts);
 

@@ -17,8 +17,8 @@
 //           u_t + h a_t/2 = 0, or the contact slides
 //   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or it slides with the cone of all three impulses
 //
-// A contact that is foreseen (d < 0) takes part in `ahead` alone: the bodies come as near as to touch, and the
-// next step finds the contact.
+// A contact that is foreseen (d < 0) takes part in `ahead` alone: the bodies come as near as to touch, and
+// the next step finds the contact.
 //
 // P2 may take back what P1 gave. A body at rest therefore has velocity zero at the end of each step, and an
 // impulse of h m g per step: half of it at t, half at t+h, as everything else has it.
@@ -322,6 +322,22 @@ double Bounded::solve() {
   if (!plant_.islands.springs(island_).empty()) load_velocities();
   aim();
   return solve_rows();
+}
+
+// Only mechanisms can be so stiff that nothing moves a row.
+bool Bounded::misses_where_stuck(double enough) const {
+  if (system_.movable) return false;
+  return std::ranges::any_of(blocks_, [&](const RowBlock& block) {
+    if (!is_rigid(block)) return false;
+    double missing = block.target[0];
+    for (std::size_t e = 0; e < block.end_count; ++e) {
+      const RowEnd& end = block.ends[e];
+      if (!end.free) missing -= velocity(end.mechanism, rows_of(end.mechanism).rows[end.first]);
+    }
+    if (block.kind != RowBlock::Kind::kBounded) return missing > enough;  // it only pushes
+    return missing > 0.0 ? missing > enough && block.lambda[0] < block.high
+                         : missing < -enough && block.lambda[0] > block.low;
+  });
 }
 
 void Bounded::find_short(double enough, std::vector<std::size_t>& found) {

@@ -33,12 +33,12 @@ class Bounded {
   // True if any row acts on the mechanism, which is one of the island.
   bool binds(std::size_t mechanism) const { return plant_.mechanism_bound[mechanism] != 0; }
 
-  // False if there is a row that nothing can move.
-  bool is_movable() const { return system_.movable; }
-
   // Solves the rows with the bodies' present velocities, and changes them. Returns the largest miss before:
   // by how much the velocities were not as the rows ask, m/s or rad/s.
   double solve();
+  // After solve(), with the bodies' present velocities: true if a row that nothing can move misses more than
+  // `enough`, m/s or rad/s.
+  bool misses_where_stuck(double enough) const;
   // True if no row missed more than it may after the last solve().
   bool is_solved() const { return system_.solved; }
   // True if the last solve() ended with an answer that misses more, since an exact one would be dear. Hits

@@ -10,6 +10,7 @@ namespace {
 constexpr int kMostChanges = 12;    // repetitions because laws reached or left their limit
 constexpr std::size_t kMany = 64;   // contacts of free bodies, whose answer may be dear
 constexpr double kMostGain = 0.02;  // share of the kinetic energy: rounding gains less than this
+constexpr double kStuck = 1e-5;     // m/s, rad/s: a row that nothing can move misses no more than this
 constexpr int kFreeChanges = 2;     // repetitions before a law that still changes becomes a row
 
 }  // namespace
@@ -140,20 +141,18 @@ bool IslandStepper::take_laws_as_rows(std::size_t m) {
   return true;
 }
 
-// A servo without compliance holds its axis in the tree whatever resists. Where contacts or stops find
-// nothing else that could give way, they would be ignored, and an arm of such axes would go through a wall.
-// As a row the servo knows its limit.
-bool IslandStepper::take_servos_as_rows() {
-  if (bounded_.is_movable()) return false;
-  const auto is_rigid = [](const Axis& axis) { return law_in_tree(axis) && axis.compliance_s == 0.0; };
+// A servo or friction without compliance holds its axis in the tree, whatever resists. A contact or stop that
+// finds nothing else that could give way is ignored, and an arm of such axes would go through a wall. As a
+// row the law knows its limit.
+bool IslandStepper::take_rigid_laws_as_rows() {
+  if (!bounded_.misses_where_stuck(kStuck)) return false;
   bool any = false;
   for (const std::size_t m : mechanisms()) {
-    bool drives = false;
-    for (const Axis& axis : plant_.acting_axes_of(m))
-      drives = drives || (is_rigid(axis) && axis.target != 0.0);
-    if (!drives || !bounded_.binds(m)) continue;
-    for (Axis& axis : plant_.acting_axes_of(m)) axis.boxed = axis.boxed || is_rigid(axis);
-    any = true;
+    if (!bounded_.binds(m)) continue;
+    for (Axis& axis : plant_.acting_axes_of(m)) {
+      if (!law_in_tree(axis) || axis.compliance_s != 0.0) continue;
+      axis.boxed = any = true;
+    }
   }
   return any;
 }
@@ -188,12 +187,12 @@ bool IslandStepper::find_impulses() {
     }
     // The look-ahead, with rows that may bind. A law of a loop that cannot hold its axis becomes a row.
     bounded_.build(island_, kAhead, plan_.h, fate_->course);
-    if (i + 1 < kMostChanges && take_servos_as_rows()) continue;
     note_energy();
     if (!look_ahead()) {
       if (i + 1 < kMostChanges && fate_->broken != nullptr && take_laws_as_rows(fate_->mechanism)) continue;
       return false;
     }
+    if (i + 1 < kMostChanges && take_rigid_laws_as_rows()) continue;
     bounded_.report();
     // Solved, unless a law now takes part in another way. The iterative solver and late repetitions use rows.
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;

@@ -121,8 +121,9 @@ class IslandStepper {
   bool has_laws_to_box(std::size_t mechanism);
   // Turns these laws into rows. Returns false where there are none.
   bool take_laws_as_rows(std::size_t mechanism);
-  // Turns servos into rows that leave another row nothing that could move. Returns whether there were any.
-  bool take_servos_as_rows();
+  // Turns laws without compliance into rows, where another row misses and nothing can move it. Returns
+  // whether there were any.
+  bool take_rigid_laws_as_rows();
   // Largest gap that is allowed, along each axis of W: m, rad.
   double d_max(std::size_t mechanism) const { return plan_.bounds.d_max_by_mechanism[mechanism]; }
   // True if a link would swing too far in this step under the tension of its joint (predicting.cc).

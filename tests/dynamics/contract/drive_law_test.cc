@@ -173,6 +173,27 @@ TEST_P(DriveLaw, AnIdealServoStopsAtAWall) {
   }
 }
 
+// A drawer that dry friction holds, or a servo that is to stand, gives way to a kinematic body that pushes
+// it.
+TEST_P(DriveLaw, WhatAKinematicBodyPushesGivesWay) {
+  for (const bool friction : {true, false}) {
+    auto b = builder();
+    b.model.gravity.setZero();
+    const BodyId pusher = b.add_box("pusher", {0.1, 0.1, 0.1}, 1.0, at(-0.11, 0, 0));
+    b.body(pusher).kinematic = true;
+    b.body(pusher).engine = -1;
+    b.body(pusher).v_WB = {0.2, 0, 0};
+    const BodyId drawer = b.add_box("drawer", {0.1, 0.1, 0.1}, 1.0, at(0, 0, 0));
+    auto& rail = b.add_joint("drawer", world::JointKind::kSlider, {}, drawer, {0, 0, 0}, {1, 0, 0});
+    if (friction) rail.friction = 5.0;
+    Lab lab(b.model);
+    if (!friction) lab.drive("drawer") = {.target_velocity = 0.0, .compliance = 0.0, .max_effort = 5.0};
+    lab.run(1.0);
+    EXPECT_NEAR(lab.body("drawer").p_WC.x(), 0.19, 1e-3) << friction;
+    EXPECT_NEAR(lab.normal_force_between("pusher", "drawer"), 5.0, 0.05) << friction;
+  }
+}
+
 // Two fingers of ideal servos that close on nothing meet, and press.
 TEST_P(DriveLaw, IdealFingersMeet) {
   auto b = builder();

@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0xdaca8ffda10d8b13ull},        {"ImpulseOrder4", 0xd1d91e290787dc00ull},
-    {"ImpulseIterate", 0x6e0a00b3d4371de1ull},
+    {"Impulse", 0xf5a06573b776afa6ull},        {"ImpulseOrder4", 0xa579aa80b01df229ull},
+    {"ImpulseIterate", 0x8f3ebc112273265cull},
 };
 
 class Golden : public Contract {};
