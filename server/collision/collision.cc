@@ -109,7 +109,11 @@ struct CollisionStage::Impl {
   std::vector<Foreseen> foreseen;
   world::WorldState at;                               // bodies only, where a pair touches
   std::vector<std::pair<std::size_t, double>> begun;  // by mechanism: share of its first crossing
+  // The pair, if contacts were foreseen for it; null: none were.
+  Foreseen* known(const Sweep::Crossing& crossing);
+  // True if nothing else happens to either mechanism clearly before. Called in the order of the crossings.
   bool is_among_first(const Sweep::Crossing& crossing);
+  // For one crossing, as CollisionStage::foresee().
   bool foresee(const Sweep::Crossing& crossing, const world::WorldState& before,
                const world::WorldState& after, std::vector<Contact>* contacts);
 };
@@ -157,10 +161,7 @@ bool CollisionStage::foresee(const world::WorldState& before, const world::World
   of.begun.clear();
   bool again = false;
   for (const Sweep::Crossing& crossing : crossings) {
-    const bool is_known = std::ranges::any_of(of.foreseen, [&](const Impl::Foreseen& pair) {
-      return pair.first == crossing.first && pair.second == crossing.second;
-    });
-    if (!is_known && !of.is_among_first(crossing)) continue;
+    if (of.known(crossing) == nullptr && !of.is_among_first(crossing)) continue;
     again = of.foresee(crossing, before, after, contacts) || again;
   }
   if (again && contacts != nullptr)
@@ -168,6 +169,13 @@ bool CollisionStage::foresee(const world::WorldState& before, const world::World
       return std::tuple(one.shape_a.value, one.shape_b.value, one.feature);
     });
   return again;
+}
+
+CollisionStage::Impl::Foreseen* CollisionStage::Impl::known(const Sweep::Crossing& crossing) {
+  const auto found = std::ranges::find_if(foreseen, [&](const Foreseen& pair) {
+    return pair.first == crossing.first && pair.second == crossing.second;
+  });
+  return found == foreseen.end() ? nullptr : &*found;
 }
 
 // Crossings come in the order in which they begin.
@@ -221,15 +229,14 @@ bool CollisionStage::Impl::foresee(const Sweep::Crossing& crossing, const world:
     missed = std::max(missed, depth_at(point, 1.0));
     any = true;
   }
-  auto pair = std::ranges::find_if(foreseen, [&](const Foreseen& other) {
-    return other.first == crossing.first && other.second == crossing.second;
-  });
-  const bool is_new = pair == foreseen.end();
-  const bool holds = !is_new && missed <= std::max(kHeldM, kHeldShare * crossing.thickness);
+  Foreseen* pair = known(crossing);
+  const bool holds = pair != nullptr && missed <= std::max(kHeldM, kHeldShare * crossing.thickness);
   if (!any || holds) return false;
   if (contacts == nullptr) return true;
-  if (is_new) pair = foreseen.insert(pair, {crossing.first, crossing.second});
-  if (!is_new) pair->tighter += missed;
+  if (pair != nullptr)
+    pair->tighter += missed;
+  else
+    pair = &foreseen.emplace_back(Foreseen{crossing.first, crossing.second});
   std::erase_if(*contacts, [&](const Contact& one) {
     return one.depth < 0.0 && one.shape_a == a.id && one.shape_b == b.id;
   });

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "server/world/disjoint_sets.h"
 #include "server/world/joint_kinds.h"
 
 namespace visum::collision {
@@ -132,21 +133,14 @@ Sweep::Sweep(const std::vector<PreparedShape>& shapes, const world::WorldModel& 
   number_mechanisms();
 }
 
-// Joints come in any order, so the smallest number spreads until nothing changes.
 void Sweep::number_mechanisms() {
+  world::DisjointSets joined(bodies_.size());
+  const auto is_linked = [this](std::size_t i) { return bodies_[i].kind == Kind::kLinked; };
+  for (const world::Joint& joint : model_.joints)
+    if (joint.parent.valid() && is_linked(joint.parent.index()) && is_linked(joint.child.index()))
+      joined.join(joint.parent.index(), joint.child.index());
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (bodies_[i].kind == Kind::kLinked) bodies_[i].mechanism = i;
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const world::Joint& joint : model_.joints) {
-      if (!joint.parent.valid()) continue;
-      std::size_t& a = bodies_[joint.parent.index()].mechanism;
-      std::size_t& b = bodies_[joint.child.index()].mechanism;
-      if (a == b || a == kNone || b == kNone) continue;
-      a = b = std::min(a, b);
-      changed = true;
-    }
-  }
+    if (is_linked(i)) bodies_[i].mechanism = joined.leader(i);
 }
 
 // Along the chord of two quaternions a point at r from the centre of mass goes by at most sqrt(2) times 2 r

@@ -4,8 +4,8 @@
 // have given.
 #pragma once
 
-#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/impulse/plant.h"
+#include "server/world/disjoint_sets.h"
 
 namespace visum::dynamics::impulse {
 
@@ -48,7 +48,7 @@ class EnergyGuard {
   bool has_lost(std::size_t island) const;
 
   BodiesMotion before_;
-  DisjointSets joined_;
+  world::DisjointSets joined_;
   // By body: its kinetic energy before the step, J. The others are by leader, of the island: energies in J,
   // whether anything touches or hangs together there, whether it stays, has joints, and is pushed by bounds.
   std::vector<double> kinetic_before_, gained_, kinetic_after_, given_, size_, weight_, slowed_;

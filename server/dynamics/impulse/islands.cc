@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-void join_bodies(DisjointSets& sets, int a, int b) {
+void join_bodies(world::DisjointSets& sets, int a, int b) {
   if (a >= 0 && b >= 0) sets.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
 }
 

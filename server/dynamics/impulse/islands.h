@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/engine.h"
+#include "server/world/disjoint_sets.h"
 
 namespace visum::dynamics::impulse {
 
@@ -47,8 +47,8 @@ class Islands {
   template <typename BodyOf>
   void list(Members& members, std::size_t count, BodyOf body_of);
 
-  DisjointSets joined_, sets_;       // of bodies: by joints and springs; by contacts, too
-  std::vector<std::size_t> number_;  // by body that leads a set: the island's number
+  world::DisjointSets joined_, sets_;  // of bodies: by joints and springs; by contacts, too
+  std::vector<std::size_t> number_;    // by body that leads a set: the island's number
   std::size_t count_ = 0;
   Members bodies_, mechanisms_, springs_, touches_, wrenches_;
 };

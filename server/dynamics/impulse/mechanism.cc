@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/impulse/lanes/kernels.h"
+#include "server/world/disjoint_sets.h"
 #include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
 
@@ -290,7 +290,7 @@ void Mechanism::clear() {
 
 std::vector<Mechanism> find_mechanisms(const world::WorldModel& model, const Bodies& bodies) {
   // Joins the parts of parent and child of every joint.
-  DisjointSets parts(bodies.size());
+  world::DisjointSets parts(bodies.size());
   std::vector<bool> jointed(bodies.size(), false);
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     if (!is_ours(model, bodies, {static_cast<std::int32_t>(i)})) continue;

@@ -30,7 +30,7 @@ Sleep::Sleep(const Plant& plant) : sleep_s_(plant.setting.sleep_s) {
   for (const Place& place : plant.places)
     unit_of_.push_back(place.mechanism >= 0 ? static_cast<std::size_t>(place.mechanism) : units++);
   records_.resize(units);
-  islands_ = DisjointSets(units);
+  islands_ = world::DisjointSets(units);
   drives_.resize(units);
   contacts_.resize(units);
 }

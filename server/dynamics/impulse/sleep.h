@@ -12,8 +12,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/impulse/plant.h"
+#include "server/world/disjoint_sets.h"
 
 namespace visum::dynamics::impulse {
 
@@ -54,7 +54,7 @@ class Sleep {
   double sleep_s_;
   std::vector<std::size_t> unit_of_;  // by body
   std::vector<Record> records_;       // by unit
-  DisjointSets islands_;              // of units; unlike Islands, sleeping contacts join them, too
+  world::DisjointSets islands_;       // of units; unlike Islands, sleeping contacts join them, too
   std::vector<std::uint64_t> drives_, contacts_;  // by unit, in this tick
 };
 

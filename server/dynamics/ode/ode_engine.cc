@@ -2,13 +2,13 @@
 #include <cstring>
 
 #include "protocol/config/unknown_name.h"
-#include "server/dynamics/disjoint_sets.h"
 #include "server/dynamics/engine_factories.h"
 #include "server/dynamics/ode/ode_contacts.h"
 #include "server/dynamics/ode/ode_guard.h"
 #include "server/dynamics/ode/ode_joint.h"
 #include "server/dynamics/ode/ode_world.h"
 #include "server/dynamics/step_input.h"
+#include "server/world/disjoint_sets.h"
 
 namespace visum::dynamics {
 namespace ode {
@@ -198,7 +198,7 @@ class OdeEngine : public Engine {
   const world::WorldModel& model_;
   std::int32_t engine_index_;
   bool quick_;
-  DisjointSets joined_;
+  world::DisjointSets joined_;
   std::vector<std::uint64_t> rows_;      // by leader: of all that is joined to it
   std::vector<world::BodyId> too_many_;  // in this tick: bodies whose rows are beyond the limit
   std::unique_ptr<Mechanism> mechanism_;

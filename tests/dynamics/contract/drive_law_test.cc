@@ -164,7 +164,8 @@ TEST_P(DriveLaw, AnIdealServoStopsAtAWall) {
       }
       EXPECT_NEAR(lab.normal_force_between("finger", "wall"), kLimit, 1e-2 * kLimit) << on_arm;
       EXPECT_NEAR(lab.joint("rail").effort, kLimit, 1e-2 * kLimit) << on_arm;
-      EXPECT_LE(lab.warned_ticks, 1) << on_arm;  // ODE's direct solver may give up on one
+      // ODE's direct solver may give up on one.
+      EXPECT_LE(lab.warned_ticks, row().engine.name == "ode" ? 1 : 0) << on_arm;
       // It lets go at once.
       drive(-kSpeed);
       lab.run(0.1);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/dynamics/contract/rows.h"
+#include "tests/dynamics/contract/scenes.h"
 
 namespace visum::dynamics::testing {
 namespace {
@@ -119,14 +119,7 @@ TEST_P(FastBodies, ATumblingPlateDoesNotPassThroughATable) {
 
 TEST_P(FastBodies, ABallDoesNotPassThroughAMesh) {
   auto b = shot(-1.0);
-  b.model.meshes.push_back(
-      {"sheet", {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}, {{0, 2, 1}, {0, 3, 2}}});
-  for (auto& shape : b.model.shapes) {
-    if (shape.kind != world::ShapeKind::kBox) continue;
-    shape.kind = world::ShapeKind::kMesh;
-    shape.mesh = {0};
-    shape.size = {};
-  }
+  make_boxes_sheets(b.model);
   Lab lab(b.model);
   lab.run_ticks(30);
   EXPECT_LT(lab.body("ball").p_WC.x(), 0.0);

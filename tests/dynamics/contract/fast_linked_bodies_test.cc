@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/dynamics/contract/rows.h"
+#include "tests/dynamics/contract/scenes.h"
 
 namespace visum::dynamics::testing {
 namespace {
@@ -361,14 +361,7 @@ TEST_P(FastLinkedBodies, ARodDoesNotTurnThroughAPost) {
 
 TEST_P(FastLinkedBodies, AMeshStopsABallOnARail) {
   auto b = shot(-1.02);
-  b.model.meshes.push_back(
-      {"sheet", {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}, {{0, 2, 1}, {0, 3, 2}}});
-  for (auto& shape : b.model.shapes) {
-    if (shape.kind != world::ShapeKind::kBox) continue;
-    shape.kind = world::ShapeKind::kMesh;
-    shape.mesh = {0};
-    shape.size = {};
-  }
+  make_boxes_sheets(b.model);
   Lab lab(b.model);
   lab.run_ticks(30);
   EXPECT_NEAR(lab.body("ball").p_WC.x(), -kRadiusM, 1e-3);

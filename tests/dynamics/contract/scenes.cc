@@ -32,6 +32,16 @@ world::WorldModel busy_model(const world::EngineSetting& engine) {
   return b.model;
 }
 
+void make_boxes_sheets(world::WorldModel& model) {
+  model.meshes.push_back({"sheet", {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}, {{0, 2, 1}, {0, 3, 2}}});
+  for (auto& shape : model.shapes) {
+    if (shape.kind != world::ShapeKind::kBox) continue;
+    shape.kind = world::ShapeKind::kMesh;
+    shape.mesh = {static_cast<std::int32_t>(model.meshes.size()) - 1};
+    shape.size = {};
+  }
+}
+
 void set_busy_drives(Lab& lab) {
   lab.drive("turn") = {0.8, 0.01, 20.0, 0.0};
   lab.drive("shoulder") = {-0.2, 1e-3, 30.0, -5.0};

@@ -10,5 +10,7 @@ namespace visum::dynamics::testing {
 // use.
 world::WorldModel busy_model(const world::EngineSetting& engine);
 void set_busy_drives(Lab& lab);
+// Puts a mesh of two triangles, 2 m wide and across x, in place of each box.
+void make_boxes_sheets(world::WorldModel& model);
 
 }  // namespace visum::dynamics::testing

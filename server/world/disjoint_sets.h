@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace visum::dynamics {
+namespace visum::world {
 
 class DisjointSets {
  public:
@@ -32,4 +32,4 @@ class DisjointSets {
   std::vector<std::size_t> leader_;  // by number: a smaller or equal one of its set
 };
 
-}  // namespace visum::dynamics
+}  // namespace visum::world
