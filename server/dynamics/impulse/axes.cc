@@ -119,9 +119,22 @@ bool suits(const Plant& plant, const Axis& axis, Moment moment, double h) {
   return !law_in_tree(axis) || passed_limit(axis, moment, h) == 0;
 }
 
-// Rate that is asked of the tree: the law's, or the damping's where no law is in the tree.
+// The same of a sprung axis in the look-ahead. Two laws on one axis are one law: what either gives at the
+// same rate is added up, also in `damped`.
+double missing_of_spring(const Plant& plant, const Axis& axis, double h) {
+  const Spring& spring = plant.springs[axis.spring];
+  const world::Joint& model = *spring.spec.model;
+  const double k = law_compliance(plant, axis, kAhead, h);
+  const double pull = -0.5 * h * spring.sense * model.stiffness * (spring.length - model.rest);
+  return k * (pull + 0.5 * h * axis.damping * axis.rate) - axis.mean_rate -
+         k * (axis.damped[kAhead] + 0.5 * axis.damped[kHit]);
+}
+
+// Rate that is asked of the tree: the law's, or that of damping and spring where no law is in the tree.
 inline double missing_in_tree(const Plant& plant, const Axis& axis, Moment moment, double h) {
-  if (damping_in_tree(axis)) return missing(plant, axis, moment, 0.0, law_compliance(axis, h), axis.damped);
+  if (spring_in_tree(axis, moment)) return missing_of_spring(plant, axis, h);
+  if (damping_in_tree(axis))
+    return missing(plant, axis, moment, 0.0, law_compliance(plant, axis, moment, h), axis.damped);
   return missing_of_law(plant, axis, moment, h);
 }
 
@@ -149,6 +162,7 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
       plant.all_idle = plant.all_idle && axis.idle;
       if (axis.idle && was_idle) continue;
       take_axis(axis, drive, state.joints[axis.joint.index()], as_row);
+      axis.sprung = axis.spring != Axis::kNone && !axis.acts;
       if (!axis.idle && !plant.mechanism_asleep[m]) plant.acting.push_back(i);
       if (axis.idle && axis.node >= 0) plant.mechanisms[m].set_axis(static_cast<std::size_t>(axis.node), {});
     }
@@ -174,8 +188,8 @@ void measure_ahead(const Plant& plant, Axis& axis, const JointPose& ahead, doubl
 void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
   const bool bound = plant.mechanism_bound[mechanism] != 0;
   for (Axis& axis : plant.acting_axes_of(mechanism)) {
-    // Without law, damping or stops nothing needs the mean velocity.
-    if (!axis.acts && axis.damping == 0.0 && !axis.model->limited) continue;
+    // Without law, damping, spring or stops nothing needs the mean velocity.
+    if (!axis.acts && axis.damping == 0.0 && !axis.sprung && !axis.model->limited) continue;
     if (bound)
       measure_ahead(plant, axis, *axis.ahead, h);
     else
@@ -183,12 +197,13 @@ void measure_ahead(Plant& plant, std::size_t mechanism, double h) {
   }
 }
 
-void set_tree_axes(Plant& plant, std::size_t island, double h) {
+void set_tree_axes(Plant& plant, std::size_t island, Moment moment, double h) {
   plant.for_axes(island, [&](const Axis& axis) {
     if (axis.node < 0) return;
-    const bool implicit = is_in_tree(axis);
-    plant.mechanisms[axis.mechanism].set_axis(static_cast<std::size_t>(axis.node),
-                                              {implicit, implicit ? law_compliance(axis, h) : 0.0});
+    const bool implicit = is_in_tree(axis, moment);
+    plant.mechanisms[axis.mechanism].set_axis(
+        static_cast<std::size_t>(axis.node),
+        {implicit, implicit ? law_compliance(plant, axis, moment, h) : 0.0});
   });
 }
 
@@ -196,7 +211,7 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
   double largest = 0.0;
   Tree& tree = plant.mechanisms[mechanism].tree();
   for (const Axis& axis : plant.acting_axes_of(mechanism)) {
-    if (!is_in_tree(axis)) continue;
+    if (!is_in_tree(axis, moment)) continue;
     const double missing = missing_in_tree(plant, axis, moment, h);
     tree.ask_axis(static_cast<std::size_t>(axis.node), missing);
     // Keeps a NaN as the largest.
@@ -208,7 +223,7 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h) {
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment) {
   const Tree& tree = plant.mechanisms[mechanism].tree();
   for (Axis& axis : plant.acting_axes_of(mechanism))
-    if (is_in_tree(axis))
+    if (is_in_tree(axis, moment))
       take_law_impulse(axis, moment, tree.axis_impulse(static_cast<std::size_t>(axis.node)));
 }
 
@@ -217,6 +232,7 @@ void reset_impulses(Plant& plant, std::size_t island) {
     axis.law = {};
     axis.damped = {};
     axis.stopped = {};
+    axis.repeated = 0.0;
   });
   plant.for_touches(island, [](Touch& touch) { touch.impulse[kHit] = touch.twist[kHit] = Vector3d::Zero(); });
 }

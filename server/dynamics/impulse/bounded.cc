@@ -233,7 +233,7 @@ void Bounded::aim_stop(RowBlock& block, const Axis& axis, std::size_t side) cons
 // The law of springs is in springs.cc.
 void Bounded::aim_spring(RowBlock& block, const Spring& spring) const {
   const world::Joint& joint = *spring.spec.model;
-  const double grip = 0.5 * h_ * joint.stiffness + joint.damping;
+  const double grip = spring.grip(h_);
   const double bias = spring.mean_rate - rows_.velocity(block, 0);
   block.compliance = 2.0 / (h_ * grip);
   block.target[0] = -joint.stiffness * (spring.length - joint.rest) / grip - bias;
@@ -319,7 +319,7 @@ void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d
 }
 
 double Bounded::solve() {
-  if (!plant_.islands.springs(island_).empty()) load_velocities();
+  if (plant_.has_loose_springs(island_)) load_velocities();
   aim();
   return solve_rows();
 }

@@ -244,7 +244,7 @@ void Bounded::add_spring(std::size_t index) {
   const JointSpec& spec = plant_.springs[index].spec;
   const Pull& pull = plant_.springs[index].pull;
   const Vector3d &w = pull.w, &v = pull.v, &pa = pull.pa, &pb = pull.pb;
-  if (!plant_.springs[index].acts) return;
+  if (!plant_.springs[index].acts || !plant_.is_loose(plant_.springs[index])) return;
   RowBlock& block = add_block({Of::kSpring, index}, 1);
   const auto find = [&](RowBlock& of, RowEnd& end, int body, const Vector3d& at, double sign) {
     // J of a pull along (w, v) at a point: the torque about the centre of mass, and the force.

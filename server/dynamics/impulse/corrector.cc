@@ -36,7 +36,7 @@ void Corrector::add_joint(std::size_t m, const JointSpec& spec, const JointPose&
 // The axis of a joint is a row of its own while its law is within its limit.
 void Corrector::prepare(std::size_t m, double h) {
   for (Joint& joint : joints_[m]) {
-    const bool gives = joint.own_axis != kNoAxis && is_in_tree(plant_.axes[joint.own_axis]);
+    const bool gives = joint.own_axis != kNoAxis && is_in_tree(plant_.axes[joint.own_axis], kAfter);
     joint.axis = gives ? &plant_.axes[joint.own_axis] : nullptr;
     add_rows(joint);
     invert(joint, h);
@@ -85,7 +85,7 @@ void Corrector::invert(Joint& joint, double h) const {
   add(joint.spec->a, joint.ra);
   add(joint.spec->b, joint.rb);
   // The drive gives way by its compliance.
-  if (joint.axis != nullptr) K(n - 1, n - 1) += law_compliance(*joint.axis, h);
+  if (joint.axis != nullptr) K(n - 1, n - 1) += law_compliance(plant_, *joint.axis, kAfter, h);
   const Eigen::Matrix<double, 6, 6> inverse = K.llt().solve(Eigen::Matrix<double, 6, 6>::Identity());
   for (int k = 0; k < n; ++k)
     for (int l = 0; l < n; ++l)

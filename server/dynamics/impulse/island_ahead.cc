@@ -35,8 +35,9 @@ bool IslandStepper::predict(std::size_t m) {
     const auto node = static_cast<std::size_t>(axis.node);
     const double known = known_impulse(axis, kAhead, plan_.h);
     // A law in the tree gets what was predicted on its axis; otherwise the known impulse alone is given.
-    const double impulse = is_in_tree(axis) ? mechanism.predicted_axis(node) : known;
-    if (is_in_tree(axis)) take_law_impulse(axis, kAhead, impulse - known);
+    const bool in_tree = is_in_tree(axis, kAhead);
+    const double impulse = in_tree ? mechanism.predicted_axis(node) : known;
+    if (in_tree) take_law_impulse(axis, kAhead, impulse - known);
     if (impulse != 0.0) mechanism.push_predicted_axis(node, impulse);
   }
   mechanism.give_predicted(plant_.bodies);
@@ -200,7 +201,7 @@ bool IslandStepper::correct_alone(std::size_t m) {
 }
 
 void IslandStepper::look_at_springs() {
-  if (plant_.islands.springs(island_).empty()) return;
+  if (!plant_.has_loose_springs(island_)) return;
   for (const std::size_t i : bounded_.free_bodies())
     plant_.bodies.look_ahead(plant_.bodies.block_of(i), plan_.h, plant_.model.gravity);
   measure_springs_ahead(plant_, island_, state(), plan_.h);
@@ -241,8 +242,8 @@ bool IslandStepper::follow_rows() {
 IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
   double largest = 0.0, moved = 0.0;
   bool closed = false;
-  // The lengths of springs are known of a flight only.
-  const bool may_follow = !gently && !plan_.iterates && plant_.islands.springs(island_).empty();
+  // The lengths of springs are known of a flight only, but for those on axes.
+  const bool may_follow = !gently && !plan_.iterates && !plant_.has_loose_springs(island_);
   for (int pass = 0; pass < plan_.bounds.most_passes; ++pass) {
     // The joints first; the worst one is noted in case nothing closes.
     largest = close_joints(pass, closed);

@@ -78,7 +78,7 @@ void IslandStepper::find_velocities_limited() {
     if (i > 0) restore_velocities();
     if (i + 1 == kMostRepetitions) box_laws();
     push();
-    factor();
+    factor(kAfter);
     bounded_.build(island_, kAfter, plan_.h, fate_->course);
     for (int turn = 0; turn < kMostTurns; ++turn) {
       each_awake([&](std::size_t m) {

@@ -96,12 +96,12 @@ void IslandStepper::copy(const std::vector<Vector3d>& from, std::vector<Vector3d
 
 void IslandStepper::factor(std::size_t island) {
   island_ = island;
-  factor();
+  factor(kAhead);
 }
 
-void IslandStepper::factor() {
+void IslandStepper::factor(Moment moment) {
   // The laws must be in the tree before it is factored.
-  set_tree_axes(plant_, island_, plan_.h);
+  set_tree_axes(plant_, island_, moment, plan_.h);
   each_awake([&](std::size_t m) {
     Mechanism& mechanism = plant_.mechanisms[m];
     work_.take(mechanism.factor_units());
@@ -172,7 +172,7 @@ void IslandStepper::begin_ahead(bool again) {
   reset_impulses(plant_, island_);
   for (const std::size_t m : mechanisms()) plant_.mechanisms[m].begin_step(plan_.h);
   push();
-  factor();
+  factor(kAhead);
   measure_springs(plant_, island_, state());
 }
 
@@ -182,7 +182,10 @@ bool IslandStepper::find_impulses() {
     begin_ahead(i > 0);
     // Collisions change velocities at once; laws that they push over their limit change first.
     if (find_hits(plant_, island_, plan_.h)) {
+      const bool sprung = has_sprung_axes();
+      if (sprung) factor(kHit);
       hit();
+      if (sprung) factor(kAhead);
       if (i + 1 < kMostChanges && change_laws(plant_, island_, kHit, plan_.h, true)) continue;
     }
     // The look-ahead, with rows that may bind. A law of a loop that cannot hold its axis becomes a row.
@@ -200,6 +203,11 @@ bool IslandStepper::find_impulses() {
   }
   fate_->fell_short = true;
   return true;
+}
+
+bool IslandStepper::has_sprung_axes() const {
+  return std::ranges::any_of(plant_.islands.springs(island_),
+                             [&](std::size_t i) { return !plant_.is_loose(plant_.springs[i]); });
 }
 
 void IslandStepper::hit() {
@@ -289,7 +297,7 @@ void IslandStepper::match_velocities(std::size_t m, bool first) {
 // The rows at t+h start from what they gave at t, and what was added to that in the last step. The springs
 // repeat their impulse; contacts meet at one point again.
 void IslandStepper::begin_after() {
-  push_by_springs(plant_, island_, state());
+  push_by_springs(plant_, island_, state(), plan_.h);
   save_velocities();
   meet_touches(plant_, island_);
   plant_.for_touches(island_, [](Touch& touch) {
@@ -311,7 +319,7 @@ void IslandStepper::correct(std::size_t island, IslandFate& fate) {
 bool IslandStepper::find_velocities() {
   for (int i = 0;; ++i) {
     push();
-    factor();
+    factor(kAfter);
     each_awake([&](std::size_t m) { match_velocities(m); });
     bounded_.build(island_, kAfter, plan_.h, fate_->course);
     if (bounded_.has_rows()) bounded_.solve();

@@ -112,7 +112,7 @@ class IslandStepper {
   void save_velocities();
   void restore_velocities();
   void copy(const std::vector<Vector3d>& from, std::vector<Vector3d>& to) const;  // of the island's bodies
-  void factor();
+  void factor(Moment moment);  // with the laws that are in the tree at this moment
   // The joint with the largest gap in the last look-ahead; null where there is none.
   const JointSpec* worst_joint(std::size_t mechanism) const;
   // Notes the joint that does not close. Always returns false.
@@ -131,8 +131,9 @@ class IslandStepper {
   bool find_impulses();
   // Sets everything back to where the look-ahead starts, and brings poses and factors up to date.
   void begin_ahead(bool again);
-  // Solves the collisions at t.
+  // Solves the collisions at t. Springs on axes take no part in them.
   void hit();
+  bool has_sprung_axes() const;
   // Looks ahead and closes the joints of all mechanisms, with rows where there are any. False: no solution.
   bool look_ahead();
   // Gives the impulses that the last steps predict. False where too little is known.

@@ -3,9 +3,50 @@
 #include <algorithm>
 #include <numeric>
 
+#include "protocol/config/trig.h"
+
 #include "server/world/joint_kinds.h"
 
 namespace visum::dynamics::impulse {
+namespace {
+
+constexpr double kSameAxis = 1e-9;  // sine of the angle between two axes; m between two lines
+
+// True if the spring acts about or along the very axis of a hinge or slider between the same bodies, so that
+// it may be a law of that axis. Finds then what the axis' position says of its length.
+bool acts_along(Spring& spring, const Axis& axis) {
+  const JointSpec &of = spring.spec, &carrier = *axis.spec;
+  if (axis.model->parent != of.model->parent || axis.model->child != of.model->child) return false;
+  const Matrix3d R_AB = carrier.frame_a * carrier.frame_b.transpose();  // where the position is 0
+  if (of.kind == world::JointKind::kSpring && carrier.kind == world::JointKind::kSlider) {
+    const Vector3d reach = carrier.point_a + R_AB * (of.point_b - carrier.point_b) - of.point_a;
+    spring.offset = carrier.axis_a.dot(reach);
+    return carrier.axis_a.cross(reach).norm() <= kSameAxis;
+  }
+  if (of.kind != world::JointKind::kTorsionSpring || carrier.kind != world::JointKind::kHinge) return false;
+  spring.sense = of.axis_a.dot(carrier.axis_a) > 0.0 ? 1.0 : -1.0;
+  const Vector3d &u = of.zero_a, w = R_AB * of.zero_b;
+  spring.offset = config::arc_tangent(of.axis_a.dot(u.cross(w)), u.dot(w));
+  return of.axis_a.cross(carrier.axis_a).norm() <= kSameAxis &&
+         (of.axis_b - spring.sense * carrier.axis_b).norm() <= kSameAxis;
+}
+
+// Each spring may be a law of one axis in the tree, and each axis may have one spring.
+void find_axes_of_springs(std::vector<Spring>& springs, std::vector<Axis>& axes) {
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const world::Joint& model = *springs[i].spec.model;
+    if (model.stiffness + model.damping == 0.0) continue;
+    const auto found = std::ranges::find_if(axes, [&](const Axis& axis) {
+      return axis.node >= 0 && axis.spring == Axis::kNone && acts_along(springs[i], axis);
+    });
+    if (found == axes.end()) continue;
+    springs[i].axis = static_cast<std::size_t>(found - axes.begin());
+    found->spring = i;
+    found->is_free = false;
+  }
+}
+
+}  // namespace
 
 Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
     : model(world_model),
@@ -68,6 +109,8 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
                    [](const Axis& a, const Axis& b) { return a.mechanism < b.mechanism; });
   first_axis.assign(mechanisms.size() + 1, 0);
   for (const Axis& axis : axes) ++first_axis[axis.mechanism + 1];
+  // The iterative solver has no tree.
+  if (setting.solver != "iterate") find_axes_of_springs(springs, axes);
   std::partial_sum(first_axis.begin(), first_axis.end(), first_axis.begin());
   acting.reserve(axes.size());
   first_acting.assign(mechanisms.size() + 1, 0);

@@ -2,6 +2,7 @@
 // that acts on them during a tick. The functions below prepare and measure it; Stepper (stepper.h) moves it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -46,6 +47,13 @@ struct Axis {
   int at_limit = 0;
   bool boxed = false;
   double expected = 0.0;  // N·m, effort of the law in the last tick: a row starts from it
+
+  // A spring about or along this very axis (springs.cc): its place in Plant::springs. As long as nothing but
+  // damping acts beside it, it is sprung: the spring is part of the tree in the look-ahead.
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::size_t spring = kNone;
+  bool sprung = false;
+  double repeated = 0.0;  // N·m·s, of the spring: its impulse of the look-ahead, which comes again at t+h
 
   double start = 0.0, rate = 0.0;  // at t
   double mean_rate = 0.0;          // mean velocity over the last look-ahead
@@ -147,6 +155,13 @@ struct Spring {
   double mean_rate = 0.0;  // of the length over the look-ahead
   double impulse = 0.0;    // of the look-ahead; the end of the step repeats it
   double total = 0.0;
+  // Of a spring about a hinge's axis, or along a slider's: its place in Plant::axes, and its length as the
+  // axis measures it: sense * position + offset, and whole turns; of a slider sense * (position + offset).
+  std::size_t axis = Axis::kNone;
+  double sense = 1.0, offset = 0.0;
+
+  // N·s/m or N·m·s/rad: how strongly it answers the mean rate of a step.
+  double grip(double h) const { return 0.5 * h * spec.model->stiffness + spec.model->damping; }
 };
 
 // Where a body belongs: to a mechanism (and its node there), or to none.
@@ -206,6 +221,14 @@ struct Plant {
     for (std::size_t i = 0; i < bodies.size(); ++i)
       if (places[i].mechanism < 0 && !asleep[i]) act(bodies.block_of(i));
   }
+  // True if a spring of the island is a row; the others are laws of axes.
+  bool has_loose_springs(std::size_t island) const {
+    return std::ranges::any_of(islands.springs(island),
+                               [this](std::size_t i) { return is_loose(springs[i]); });
+  }
+  bool is_loose(const Spring& spring) const {
+    return spring.axis == Axis::kNone || !axes[spring.axis].sprung;
+  }
   double rate(const Axis& axis) const;  // rad/s or m/s, from the bodies' present velocities
   Vector3d parting(const Axis& axis) const;
 };
@@ -260,12 +283,18 @@ inline bool law_in_tree(const Axis& axis) {
 inline bool damping_in_tree(const Axis& axis) {
   return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
 }
-inline bool is_in_tree(const Axis& axis) {
-  return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis));
+inline bool spring_in_tree(const Axis& axis, Moment moment) {
+  return axis.sprung && moment == kAhead;
 }
-// The compliance k = c/h of the law, or of damping, in (rad/s)/(N·m·s).
-inline double law_compliance(const Axis& axis, double h) {
-  return law_in_tree(axis) ? axis.compliance_s / h : 1.0 / (axis.damping * h);
+inline bool is_in_tree(const Axis& axis, Moment moment) {
+  return axis.node >= 0 && (law_in_tree(axis) || damping_in_tree(axis) || spring_in_tree(axis, moment));
+}
+// The compliance k = c/h of the law, or of damping and spring together, in (rad/s)/(N·m·s).
+inline double law_compliance(const Plant& plant, const Axis& axis, Moment moment, double h) {
+  if (law_in_tree(axis)) return axis.compliance_s / h;
+  const double damping = axis.damping * h;
+  return 1.0 /
+         (spring_in_tree(axis, moment) ? damping + 0.5 * h * plant.springs[axis.spring].grip(h) : damping);
 }
 // Rate that the law or the damping still misses at this moment, rad/s or m/s; see axes.cc.
 double missing_rate(const Plant& plant, const Axis& axis, Moment moment, double h);
@@ -278,13 +307,14 @@ inline double limit_impulse(const Axis& axis, Moment moment, double h) {
   const double most = axis.at_limit * h * axis.most;
   return moment == kAhead ? 0.5 * most : most - axis.law[kHit] - axis.law[kAhead];
 }
-// Limit impulse plus this moment's half of the feedforward.
+// Limit impulse, plus this moment's half of the feedforward, plus what a spring repeats.
 inline double known_impulse(const Axis& axis, Moment moment, double h) {
-  return 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
+  const double known = 0.5 * h * axis.feedforward + limit_impulse(axis, moment, h);
+  return moment == kAfter ? known + axis.repeated : known;
 }
 
-// Tells an island's trees which axes have a law in the tree, and how far each gives way.
-void set_tree_axes(Plant& plant, std::size_t island, double h);
+// Tells an island's trees which axes have a law in the tree at this moment, and how far each gives way.
+void set_tree_axes(Plant& plant, std::size_t island, Moment moment, double h);
 // Asks the tree for the rates that the laws miss. Returns the largest of them.
 double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
 // Adds the tree's answer to the impulses of the laws.
@@ -302,8 +332,9 @@ bool is_asleep(const Plant& plant, const Spring& spring);
 void measure_springs(Plant& plant, std::size_t island, const world::WorldState& state);
 // Measures the rates of the lengths over the look-ahead of h.
 void measure_springs_ahead(Plant& plant, std::size_t island, const world::WorldState& state, double h);
-// Repeats the look-ahead's impulses at t+h.
-void push_by_springs(Plant& plant, std::size_t island, const world::WorldState& state);
+// Repeats the look-ahead's impulses at t+h, after a step of h. Springs that are laws of axes have theirs
+// added to what the axes know.
+void push_by_springs(Plant& plant, std::size_t island, const world::WorldState& state, double h);
 
 // Marks an island's contacts and stops that are hit hard enough to bounce. Returns true if there are any.
 bool find_hits(Plant& plant, std::size_t island, double h);

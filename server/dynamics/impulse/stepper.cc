@@ -26,7 +26,8 @@ double find_d_max(const world::EngineSetting& setting, bool in_loops) {
   return whole / std::numbers::sqrt3;
 }
 
-// Mechanisms with loops have a smaller gap. A spring between two bodies of one mechanism closes a loop, too.
+// Mechanisms with loops have a smaller gap. A spring between two bodies of one mechanism closes a loop, too,
+// unless it acts on the axis of a joint in the tree.
 std::vector<double> find_d_max_by_mechanism(const Plant& plant, const world::EngineSetting& setting) {
   std::vector<double> found(plant.mechanisms.size(), find_d_max(setting, false));
   const double in_loops = find_d_max(setting, true);
@@ -36,6 +37,7 @@ std::vector<double> find_d_max_by_mechanism(const Plant& plant, const world::Eng
     return body < 0 ? -1 : plant.places[static_cast<std::size_t>(body)].mechanism;
   };
   for (const Spring& spring : plant.springs) {
+    if (spring.axis != Axis::kNone) continue;
     const int m = mechanism_of(spring.spec.b);
     if (m >= 0 && m == mechanism_of(spring.spec.a)) found[static_cast<std::size_t>(m)] = in_loops;
   }
