@@ -63,7 +63,7 @@ double IslandStepper::find_gap(std::size_t m, double law_share) {
   mechanism.clear();
   const double gap = mechanism.ask_gaps(plant_.bodies, state(), plan_.h);
   measure_ahead(plant_, m, plan_.h);
-  const double missing = plan_.h * ask_axes(plant_, m, kAhead, plan_.h) / law_share;
+  const double missing = std::abs(plan_.h) * ask_axes(plant_, m, kAhead, plan_.h) / law_share;
   return missing > gap || std::isnan(missing) ? missing : gap;
 }
 
