@@ -4,22 +4,50 @@
 #include <iomanip>
 #include <sstream>
 
+#include "server/world/joint_kinds.h"
 #include "server/world/joint_tree.h"
 
 namespace visum::bench {
 namespace {
 
 using Eigen::Vector3d;
+using world::JointKind;
 using world::Pose;
+
+// By body: the spring beside the joint that carries it. Null: none.
+std::vector<const world::Joint*> springs_by_child(const world::WorldModel& model) {
+  std::vector<const world::Joint*> springs(model.bodies.size(), nullptr);
+  for (const world::Joint& joint : model.joints)
+    if (joint.kind == JointKind::kTorsionSpring) springs[joint.child.index()] = &joint;
+  return springs;
+}
+
+bool closes_loop(const std::vector<world::JointId>& carrying, const world::WorldModel& model,
+                 std::size_t joint) {
+  const world::Joint& it = model.joints[joint];
+  return world::info(it.kind).holds_anything && carrying[it.child.index()].index() != joint;
+}
+
+// How many contacts MuJoCo keeps room for. In a pile a box may touch five others with up to eight points
+// each; a limb touches the ground, or its neighbours.
+std::size_t contacts_of(const world::WorldModel& model) {
+  constexpr std::size_t kSphere = 2, kFreeBox = 24, kLimb = 6;
+  std::size_t contacts = 0;
+  for (const world::Shape& shape : model.shapes)
+    contacts += shape.kind == world::ShapeKind::kSphere ? kSphere : model.joints.empty() ? kFreeBox : kLimb;
+  return contacts;
+}
 
 class Writer {
  public:
   Writer(const world::WorldModel& model, const char* integrator)
-      : model_(model), carrying_(carrying_joints(model)) {
+      : model_(model), carrying_(carrying_joints(model)), springs_(springs_by_child(model)) {
     out_ << std::setprecision(17) << "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/>"
          << "<option timestep=\"" << 1e-9 * static_cast<double>(model.tick_ns) << "\" integrator=\""
          << integrator << '"';
     attribute("gravity", model.gravity);
+    for (std::size_t i = 0; i < model.joints.size(); ++i)
+      if (closes_loop(carrying_, model, i)) closing_.push_back(&model.joints[i]);
     out_ << ">" << (model.shapes.empty() ? "<flag contact=\"disable\"/>" : "") << "</option>";
   }
 
@@ -27,9 +55,11 @@ class Writer {
     size();
     out_ << "<worldbody>";
     children_of({});
-    out_ << "</worldbody><equality>";
-    for (std::size_t i = 0; i < model_.joints.size(); ++i)
-      if (carrying_[model_.joints[i].child.index()].index() != i) connect(model_.joints[i]);
+    out_ << "</worldbody><contact>";
+    for (const auto& [a, b] : model_.no_collision) exclude(a, b);
+    for (const world::Joint* joint : closing_) exclude(joint->parent, joint->child);
+    out_ << "</contact><equality>";
+    for (const world::Joint* joint : closing_) connect(*joint);
     out_ << "</equality></mujoco>";
     return out_.str();
   }
@@ -37,10 +67,8 @@ class Writer {
  private:
   // MuJoCo's own guess is too small for a stack of 50: it then leaves contacts out.
   void size() {
-    constexpr std::size_t kContacts = 24, kRows = 4 * kContacts;  // by shape
     if (!model_.shapes.empty())
-      out_ << "<size nconmax=\"" << kContacts * model_.shapes.size() << "\" njmax=\""
-           << kRows * model_.shapes.size() << "\"/>";
+      out_ << "<size nconmax=\"" << contacts_of(model_) << "\" njmax=\"" << mjcf_rows(model_) << "\"/>";
   }
 
   void attribute(const char* name, const Vector3d& v) {
@@ -73,7 +101,7 @@ class Writer {
     pose(X);
     out_ << ">";
     if (carrier.valid())
-      hinge(model_.joints[carrier.index()]);
+      joint(model_.joints[carrier.index()]);
     else
       out_ << "<freejoint/>";
     inertial(body);
@@ -82,11 +110,23 @@ class Writer {
     out_ << "</body>";
   }
 
-  void hinge(const world::Joint& joint) {
-    out_ << "<joint type=\"hinge\" name=\"" << joint.name << '"';
+  // A body without a joint is welded to its parent.
+  void joint(const world::Joint& joint) {
+    if (joint.kind == JointKind::kFixed) return;
+    const bool ball = joint.kind == JointKind::kBall;
+    out_ << "<joint type=\"" << (ball ? "ball" : "hinge") << "\" name=\"" << joint.name << '"';
     attribute("pos", joint.X_CJ.p);
-    attribute("axis", joint.X_CJ.q * joint.axis_J);
+    if (!ball) hinge(joint);
     out_ << "/>";
+  }
+
+  void hinge(const world::Joint& joint) {
+    const world::Joint* spring = springs_[joint.child.index()];
+    attribute("axis", joint.X_CJ.q * joint.axis_J);
+    if (joint.limited) out_ << " limited=\"true\" range=\"" << joint.lower << ' ' << joint.upper << '"';
+    out_ << " frictionloss=\"" << joint.friction << "\" damping=\""
+         << joint.damping + (spring ? spring->damping : 0.0) << '"';
+    if (spring) out_ << " stiffness=\"" << spring->stiffness << "\" springref=\"" << spring->rest << '"';
   }
 
   void inertial(const world::Body& body) {
@@ -101,14 +141,24 @@ class Writer {
   void shapes(world::BodyId id, const Pose& X_B) {
     for (const world::Shape& shape : model_.shapes) {
       if (shape.body != id) continue;
+      const auto& [x, y, z] = shape.size;
       const bool plane = shape.kind == world::ShapeKind::kPlane;
-      out_ << "<geom type=\"" << (plane ? "plane" : "box") << '"';
-      attribute("size", plane ? Vector3d(10.0, 10.0, 0.1)
-                              : Vector3d(0.5 * shape.size[0], 0.5 * shape.size[1], 0.5 * shape.size[2]));
+      const bool sphere = shape.kind == world::ShapeKind::kSphere;
+      out_ << "<geom type=\"" << (plane ? "plane" : sphere ? "sphere" : "box") << '"';
+      attribute("size", plane    ? Vector3d(10.0, 10.0, 0.1)
+                        : sphere ? Vector3d(x, 0.0, 0.0)
+                                 : Vector3d(0.5 * x, 0.5 * y, 0.5 * z));
       pose(X_B * shape.X_BS);
       out_ << " condim=\"3\" friction=\"" << model_.surfaces[shape.surface.index()].friction
            << " 0.005 0.0001\"/>";
     }
+  }
+
+  // MuJoCo itself leaves out the pairs of a body and its parent in the tree.
+  void exclude(world::BodyId a, world::BodyId b) {
+    if (!a.valid() || !b.valid()) return;
+    out_ << "<exclude body1=\"" << model_.bodies[a.index()].name << "\" body2=\""
+         << model_.bodies[b.index()].name << "\"/>";
   }
 
   void connect(const world::Joint& joint) {
@@ -120,6 +170,8 @@ class Writer {
 
   const world::WorldModel& model_;
   const std::vector<world::JointId> carrying_;
+  const std::vector<const world::Joint*> springs_;
+  std::vector<const world::Joint*> closing_;  // the joints that close loops
   std::ostringstream out_;
 };
 
@@ -136,6 +188,18 @@ int mjcf_depth(const world::WorldModel& model) {
     deepest = std::max(deepest, depth[joint.child.index()]);
   }
   return deepest;
+}
+
+std::size_t mjcf_rows(const world::WorldModel& model) {
+  constexpr std::size_t kByContact = 4, kByLoop = 3;
+  const auto carrying = carrying_joints(model);
+  std::size_t rows = kByContact * contacts_of(model);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const world::Joint& joint = model.joints[i];
+    rows += (joint.friction > 0.0) + joint.limited;
+    if (closes_loop(carrying, model, i)) rows += kByLoop;
+  }
+  return rows;
 }
 
 std::string mjcf(const world::WorldModel& model, const char* integrator) {

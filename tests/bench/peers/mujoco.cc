@@ -9,6 +9,8 @@ namespace visum::bench {
 namespace {
 
 constexpr int kErrorLength = 512;
+// MuJoCo keeps room for a dense matrix of all rows, 12 bytes by entry. Beyond, it needs gigabytes.
+constexpr std::size_t kMostRows = 11'000;
 
 // A swing that explodes shows in its figures. By default MuJoCo would also write a log into the working
 // directory.
@@ -41,7 +43,8 @@ class Mujoco : public Stepper {
     const auto start = initial_state(model);
     for (std::size_t i = 0; i < model.joints.size(); ++i) {
       const int id = mj_name2id(model_, mjOBJ_JOINT, model.joints[i].name.c_str());
-      if (id >= 0) starts_.push_back({model_->jnt_qposadr[id], model_->jnt_dofadr[id], start.joints[i]});
+      if (id >= 0 && model_->jnt_type[id] == mjJNT_HINGE)
+        starts_.push_back({model_->jnt_qposadr[id], model_->jnt_dofadr[id], start.joints[i]});
     }
     reset();
   }
@@ -61,6 +64,8 @@ class Mujoco : public Stepper {
   }
   void step() override { mj_step(model_, data_); }
   void store(world::WorldState& state) const override {
+    for (const int full : {mjWARN_CONTACTFULL, mjWARN_CNSTRFULL})
+      if (data_->warning[full].number > 0) throw std::runtime_error("MuJoCo left contacts out");
     mj_forward(model_, data_);
     for (std::size_t i = 0; i < ids_.size(); ++i) {
       if (ids_[i] <= 0) continue;  // scenery
@@ -85,7 +90,8 @@ class Mujoco : public Stepper {
 };
 
 bool takes(const world::WorldModel& model) {
-  return (is_mechanism(model) && mjcf_depth(model) <= kMaxMjcfDepth) || is_boxes_only(model);
+  if (model.shapes.empty()) return is_mechanism(model) && mjcf_depth(model) <= kMaxMjcfDepth;
+  return (is_boxes_only(model) || is_jointed_scene(model)) && mjcf_rows(model) <= kMostRows;
 }
 
 std::unique_ptr<Stepper> make(const world::WorldModel& model, const std::string& name) {

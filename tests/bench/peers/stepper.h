@@ -28,5 +28,9 @@ struct StepperKind {
 bool is_open_chain(const world::WorldModel& model);  // hinges only, no loop, no shape
 bool is_mechanism(const world::WorldModel& model);   // hinges only, loops allowed, no shape
 bool is_boxes_only(const world::WorldModel& model);  // free boxes on a plane, no joint
+// Boxes and spheres on a plane that hinges, balls and fixed joints hold; loops allowed, and springs beside
+// hinges.
+bool is_jointed_scene(const world::WorldModel& model);
+bool has_springs(const world::WorldModel& model);
 
 }  // namespace visum::bench
