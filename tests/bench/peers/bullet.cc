@@ -1,28 +1,16 @@
-// Bullet in double precision: btMultiBody for open chains, rigid bodies for boxes.
+// Bullet in double precision: btMultiBody for open chains, rigid bodies (bullet_bodies.h) where there are
+// shapes.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
-#include <cmath>
-
+#include "tests/bench/peers/bullet_bodies.h"
+#include "tests/bench/peers/bullet_types.h"
 #include "tests/bench/peers/peers.h"
 
 namespace visum::bench {
 namespace {
-
-btVector3 bt(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-btQuaternion bt(const Eigen::Quaterniond& q) {
-  return {q.x(), q.y(), q.z(), q.w()};
-}
-Eigen::Vector3d eigen(const btVector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Eigen::Quaterniond eigen(const btQuaternion& q) {
-  return {q.w(), q.x(), q.y(), q.z()};
-}
 
 // Everything that a Bullet world needs. It must outlive the bodies in it.
 struct BulletWorld {
@@ -96,71 +84,13 @@ class BulletChain : public Stepper {
   mutable btMultiBody chain_;  // its kinematics are computed on demand
 };
 
-class BulletBoxes : public Stepper {
- public:
-  explicit BulletBoxes(const world::WorldModel& model) : start_(initial_state(model)), bullet_(model) {
-    for (const auto& shape : model.shapes) add(model, shape);
-    reset();
-  }
-  ~BulletBoxes() override {
-    for (const auto& body : bodies_) bullet_.world.removeRigidBody(body.get());
-  }
-  BulletBoxes(const BulletBoxes&) = delete;
-  BulletBoxes& operator=(const BulletBoxes&) = delete;
-
-  void reset() override {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const auto& motion = start_.bodies[ids_[i]];
-      bodies_[i]->setWorldTransform(btTransform(bt(motion.q_WB), bt(motion.p_WC)));
-      bodies_[i]->setLinearVelocity(bt(motion.v_WC));
-      bodies_[i]->setAngularVelocity(bt(motion.w_WB));
-    }
-    bullet_.solver.reset();
-  }
-  void step() override { bullet_.step(); }
-  void store(world::WorldState& state) const override {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const btTransform& X = bodies_[i]->getWorldTransform();
-      state.bodies[ids_[i]] = {eigen(X.getOrigin()), eigen(X.getRotation()),
-                               eigen(bodies_[i]->getLinearVelocity()),
-                               eigen(bodies_[i]->getAngularVelocity())};
-    }
-  }
-
- private:
-  // The friction of a pair is the product of both surfaces'.
-  void add(const world::WorldModel& model, const world::Shape& shape) {
-    const auto& body = model.bodies[shape.body.index()];
-    const auto& surface = model.surfaces[shape.surface.index()];
-    if (shape.kind == world::ShapeKind::kPlane)
-      shapes_.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0));
-    else
-      shapes_.push_back(
-          std::make_unique<btBoxShape>(0.5 * btVector3(shape.size[0], shape.size[1], shape.size[2])));
-    const btRigidBody::btRigidBodyConstructionInfo facts(body.fixed ? 0.0 : body.mass_kg, nullptr,
-                                                         shapes_.back().get(),
-                                                         bt(Eigen::Vector3d(body.inertia_C.diagonal())));
-    bodies_.push_back(std::make_unique<btRigidBody>(facts));
-    bodies_.back()->setFriction(std::sqrt(surface.friction));
-    bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
-    ids_.push_back(shape.body.index());
-    bullet_.world.addRigidBody(bodies_.back().get());
-  }
-
-  const world::WorldState start_;
-  BulletWorld bullet_;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
-  std::vector<std::unique_ptr<btRigidBody>> bodies_;
-  std::vector<std::size_t> ids_;
-};
-
 bool takes(const world::WorldModel& model) {
-  return is_open_chain(model) || is_boxes_only(model);
+  return is_open_chain(model) || is_bullet_scene(model);
 }
 
 std::unique_ptr<Stepper> make(const world::WorldModel& model, const std::string&) {
-  if (model.joints.empty()) return std::make_unique<BulletBoxes>(model);
-  return std::make_unique<BulletChain>(model);
+  if (model.shapes.empty()) return std::make_unique<BulletChain>(model);
+  return make_bullet_bodies(model);
 }
 
 }  // namespace

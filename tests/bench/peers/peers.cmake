@@ -29,7 +29,7 @@ find_library(MUJOCO_LIBRARY mujoco)
 visum_peer(mujoco "${MUJOCO_LIBRARY}" SOURCES peers/mujoco.cc peers/mjcf.cc LINK "${MUJOCO_LIBRARY}")
 
 pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet-float64)
-visum_peer(bullet "${BULLET_FOUND}" SOURCES peers/bullet.cc LINK PkgConfig::BULLET)
+visum_peer(bullet "${BULLET_FOUND}" SOURCES peers/bullet.cc peers/bullet_bodies.cc LINK PkgConfig::BULLET)
 
 find_package(DART QUIET)
 visum_peer(dart "${DART_FOUND}" SOURCES peers/dart.cc LINK dart)

@@ -1,0 +1,23 @@
+// Our vectors and rotations as Bullet's, and back.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Geometry>
+
+namespace visum::bench {
+
+inline btVector3 bt(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+inline btQuaternion bt(const Eigen::Quaterniond& q) {
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+inline Eigen::Vector3d eigen(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+inline Eigen::Quaterniond eigen(const btQuaternion& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+}  // namespace visum::bench
