@@ -50,16 +50,16 @@ bool says_nothing(const hwparts::JointDrive& drive) {
 // Decides how the law starts the tick: within its limit, at its limit (by the last effort, or for friction by
 // the direction of motion), or as a row. A law is a row if its joint closes a loop. With the iterative solver
 // (`as_row`) a law at its limit is a row, too.
-void take_limit(Axis& axis, bool as_row, bool driven) {
+void take_limit(Axis& axis, bool as_row) {
   double side = std::abs(axis.expected) >= kAtLimit * axis.most ? axis.expected : 0.0;
-  if (!driven && std::abs(axis.rate) > kMoves) side = -axis.rate;
+  if (!axis.driven && std::abs(axis.rate) > kMoves) side = -axis.rate;
   axis.boxed = axis.acts && (axis.loop >= 0 || (as_row && side != 0.0));
   axis.at_limit = axis.acts && !axis.boxed ? (side > 0.0) - (side < 0.0) : 0;
 }
 
 // Sets the axis' law from the drive, or from the model's friction and damping where the drive gives nothing.
 void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, bool as_row) {
-  const bool driven = !says_nothing(drive);
+  const bool driven = axis.driven = !says_nothing(drive);
   axis.target = driven ? drive.target_velocity : 0.0;
   // Rounded to single precision. A compliance that changes by less from tick to tick (a winding that warms
   // up) then leaves the tree's factors valid.
@@ -70,7 +70,7 @@ void take_law(Axis& axis, const hwparts::JointDrive& drive, double last_effort, 
   axis.damping = driven ? 0.0 : axis.model->damping;
   axis.acts = axis.most > 0.0;
   axis.expected = std::clamp(last_effort - axis.feedforward, -axis.most, axis.most);
-  take_limit(axis, as_row, driven);
+  take_limit(axis, as_row);
 }
 
 // Reads where the axis is at t, and its law.
@@ -78,6 +78,7 @@ void take_axis(Axis& axis, const hwparts::JointDrive& drive, const world::JointS
   axis.start = joint.position;
   axis.rate = joint.velocity;
   axis.total = 0.0;
+  axis.kept_stops = {};
   take_law(axis, drive, joint.effort, as_row);
 }
 

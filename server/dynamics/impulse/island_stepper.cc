@@ -157,8 +157,28 @@ bool IslandStepper::take_rigid_laws_as_rows() {
   return any;
 }
 
+// Where contacts push a moving mechanism about, dry friction in its joints sticks and slides from tick to
+// tick. As a law it would change sides, and all would be solved again.
+void IslandStepper::take_friction_as_rows() {
+  if (plan_.iterates || plant_.islands.touches(island_).empty()) return;
+  const double fastest = kStandingSteps * plant_.model.gravity.norm() * std::abs(plan_.h);
+  for (const std::size_t m : mechanisms()) {
+    const Mechanism& of = plant_.mechanisms[m];
+    bool stands = true;
+    for (std::size_t i = 0; i < of.size() && stands; ++i)
+      stands = plant_.bodies.v[static_cast<std::size_t>(of.body(i))].norm() <= fastest;
+    for (Axis& axis : plant_.acting_axes_of(m)) {
+      if (!axis.acts || axis.driven) continue;
+      if (stands && !is_at_limit(axis) && !is_within_reach(axis, plan_.h)) continue;
+      axis.boxed = true;
+      axis.at_limit = 0;
+    }
+  }
+}
+
 bool IslandStepper::foresee(std::size_t island, IslandFate& fate) {
   begin(island, fate);
+  take_friction_as_rows();
   save_velocities();
   if (!find_impulses()) return false;
   fate.broken = nullptr;

@@ -121,6 +121,8 @@ class IslandStepper {
   bool has_laws_to_box(std::size_t mechanism);
   // Turns these laws into rows. Returns false where there are none.
   bool take_laws_as_rows(std::size_t mechanism);
+  // Turns dry friction into rows where contacts push a mechanism about.
+  void take_friction_as_rows();
   // Turns laws without compliance into rows, where another row misses and nothing can move it. Returns
   // whether there were any.
   bool take_rigid_laws_as_rows();

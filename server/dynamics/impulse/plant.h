@@ -35,9 +35,9 @@ struct Axis {
   bool is_free = false;  // the model gives it no stops, friction or damping
   bool idle = false;     // in this tick: is_free, and its drive gives nothing
 
-  // The drive's law (hwparts/joint.h). Without a drive the model's dry friction takes its place: a law whose
-  // target velocity is 0.
-  bool acts = false;
+  // The drive's law (hwparts/joint.h). Without a drive, as `driven` says, the model's dry friction takes its
+  // place: a law whose target velocity is 0.
+  bool acts = false, driven = false;
   double target = 0.0, compliance_s = 0.0, most = 0.0;  // rad/s, (rad/s)/(N·m), N·m
   double feedforward = 0.0;
   double damping = 0.0;
@@ -61,6 +61,11 @@ struct Axis {
   std::array<bool, 2> hits{};      // by lower and upper stop: is hit hard enough to bounce
   std::array<double, kMoments> law{}, damped{};           // N·m·s
   std::array<std::array<double, kMoments>, 2> stopped{};  // impulses of the lower and the upper stop
+  // By stop, from the last tick: impulse of the look-ahead, and by how much the end of the step gave more.
+  struct KeptStop {
+    double impulse = 0.0, change = 0.0;
+  };
+  std::array<KeptStop, 2> kept_stops{};
   double total = 0.0;  // impulse of drive, friction and damping in this tick
 };
 
@@ -282,6 +287,11 @@ inline bool law_in_tree(const Axis& axis) {
 }
 inline bool damping_in_tree(const Axis& axis) {
   return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
+}
+// True if the law has given its limit in the last tick.
+inline bool is_at_limit(const Axis& axis) {
+  constexpr double kAtLimit = 1.0 - 1e-9;  // share of it
+  return std::abs(axis.expected) >= kAtLimit * axis.most;
 }
 inline bool spring_in_tree(const Axis& axis, Moment moment) {
   return axis.sprung && moment == kAhead;

@@ -14,6 +14,24 @@ struct Record {
 };
 static_assert(sizeof(Record) == 88);
 
+// A stop that pushes has such a record, too: before all contacts, with this as its shape_a, its joint as
+// shape_b, its side as feature, and two numbers of `impulse` (Axis::KeptStop).
+constexpr std::int32_t kStop = -1;
+
+bool pushes(const Plant& plant, const Axis& axis, std::size_t side) {
+  return plant.mechanism_asleep[axis.mechanism] ? axis.kept_stops[side].impulse != 0.0
+                                                : axis.stopped[side][kAhead] != 0.0;
+}
+
+// Calls act(axis, side) for each stop that has pushed in this tick.
+template <typename Act>
+void for_pushing_stops(const Plant& plant, Act act) {
+  for (const Axis& axis : plant.axes)
+    if (axis.model->limited)
+      for (const std::size_t side : {0, 1})
+        if (pushes(plant, axis, side)) act(axis, side);
+}
+
 Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
 }
@@ -62,6 +80,35 @@ std::span<std::byte> write_predictions(const Plant& plant, std::span<std::byte> 
   return bytes;
 }
 
+// Reads the records of stops, which are in the order of the axes. Returns how many there are.
+std::size_t read_stops(std::span<const std::byte> bytes, std::size_t count, Plant& plant) {
+  std::size_t i = 0, k = 0;
+  for (; i < count; ++i) {
+    const Record record = record_at(bytes, i);
+    if (record.shape_a != kStop) break;
+    while (k < plant.axes.size() && plant.axes[k].joint.value != record.shape_b) ++k;
+    const bool sane = std::isfinite(record.impulse[0]) && std::isfinite(record.impulse[1]);
+    if (k == plant.axes.size() || !sane || record.feature < 0 || record.feature > 1) continue;
+    plant.axes[k].kept_stops[static_cast<std::size_t>(record.feature)] = {record.impulse[0],
+                                                                          record.impulse[1]};
+  }
+  return i;
+}
+
+void write_record(const Record& record, std::span<std::byte>& to) {
+  std::memcpy(to.data(), &record, sizeof(Record));
+  to = to.subspan(sizeof(Record));
+}
+
+void write_stop(const Plant& plant, const Axis& axis, std::size_t side, std::span<std::byte>& to) {
+  Axis::KeptStop kept = axis.kept_stops[side];
+  const auto& stopped = axis.stopped[side];
+  if (!plant.mechanism_asleep[axis.mechanism]) kept = {stopped[kAhead], stopped[kAfter] - stopped[kAhead]};
+  write_record(
+      {kStop, axis.joint.value, static_cast<std::int32_t>(side), 0, {kept.impulse, kept.change, 0.0}, {}, {}},
+      to);
+}
+
 // True if the body belongs to a mechanism.
 bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
@@ -80,7 +127,7 @@ WarmStart read_warm_start(std::span<const std::byte> bytes, std::span<const coll
   bytes = read_predictions(bytes, plant);
   if (bytes.size() % sizeof(Record) != 0) return {};
   const std::size_t count = bytes.size() / sizeof(Record);
-  std::size_t i = 0;
+  std::size_t i = read_stops(bytes, count, plant);
   // Touches and records are sorted alike: one pass finds the pairs.
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
@@ -110,13 +157,16 @@ void WarmStart::load(Touch& touch) const {
 
 std::size_t warm_start_bytes(const Plant& plant) {
   std::size_t size = plant.touches.size() * sizeof(Record);
+  for_pushing_stops(plant, [&](const Axis&, std::size_t) { size += sizeof(Record); });
   for (const Mechanism& mechanism : plant.mechanisms) size += mechanism.prediction().bytes();
   return size;
 }
 
 void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
                       std::vector<std::byte>& bytes) {
-  const std::span<std::byte> records = write_predictions(plant, bytes);
+  std::span<std::byte> records = write_predictions(plant, bytes);
+  for_pushing_stops(plant,
+                    [&](const Axis& axis, std::size_t side) { write_stop(plant, axis, side, records); });
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
@@ -137,7 +187,7 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
                         {impulse.x(), impulse.y(), impulse.z()},
                         {twist.x(), twist.y(), twist.z()},
                         {change.x(), change.y(), change.z()}};
-    std::memcpy(records.data() + i * sizeof(Record), &record, sizeof(Record));
+    write_record(record, records);
   }
 }
 

@@ -4,10 +4,10 @@
 // the first gave too much, to move a contact to its place, the second took it back.
 //
 // Format: for each mechanism that predicts, the bytes of its prediction (prediction.h). Then one record for
-// each contact, in their order: shape_a, shape_b, feature, rest and landing (32 bits each, warm_start.cc),
-// impulse and twist in W, and by how much the end of the step gave more than the look-ahead (3 doubles each;
-// the last is 0 between free bodies). Native endianness, as the rest of a snapshot. A sleeping contact
-// keeps its record.
+// each joint's stop that pushes, as if it were a contact (warm_start.cc), and one for each contact, in their
+// order: shape_a, shape_b, feature, rest and landing (32 bits each, warm_start.cc), impulse and twist in W,
+// and by how much the end of the step gave more than the look-ahead (3 doubles each; the last is 0 between
+// free bodies). Native endianness, as the rest of a snapshot. A sleeping contact keeps its record.
 #pragma once
 
 #include <cstddef>
