@@ -288,11 +288,6 @@ inline bool law_in_tree(const Axis& axis) {
 inline bool damping_in_tree(const Axis& axis) {
   return axis.damping > 0.0 && !law_in_tree(axis) && axis.node >= 0;
 }
-// True if the law has given its limit in the last tick.
-inline bool is_at_limit(const Axis& axis) {
-  constexpr double kAtLimit = 1.0 - 1e-9;  // share of it
-  return std::abs(axis.expected) >= kAtLimit * axis.most;
-}
 inline bool spring_in_tree(const Axis& axis, Moment moment) {
   return axis.sprung && moment == kAhead;
 }
