@@ -45,7 +45,7 @@ struct Connection::Impl {
   void read_frames();
   std::optional<Reply> wait_for(std::uint64_t id, Deadline deadline);  // nothing: the deadline passed
   Reply wait(std::uint64_t id, Deadline deadline);
-  Deadline deadline_of(std::uint64_t id) const;
+  Deadline deadline_of(std::uint64_t id);
 
   const milliseconds timeout_;
   ClientSocket socket_;
@@ -148,7 +148,7 @@ void Connection::Impl::read_frames() {
 
 // ---------------------------------------- requests
 
-Deadline Connection::Impl::deadline_of(std::uint64_t id) const {
+Deadline Connection::Impl::deadline_of(std::uint64_t id) {
   return inbox_.unbounded(id) ? kNever : steady_clock::now() + timeout_;
 }
 

@@ -25,20 +25,24 @@ void ClientInbox::expect(std::uint64_t id, bool unbounded) {
   expected_.push_back({id, unbounded, std::nullopt});
 }
 
-void ClientInbox::forget(std::uint64_t id) {
-  std::erase_if(expected_, [id](const Expected& entry) { return entry.id == id; });
+ClientInbox::Place ClientInbox::find(std::uint64_t id) {
+  const auto found = std::ranges::lower_bound(expected_, id, {}, &Expected::id);
+  return found != expected_.end() && found->id == id ? found : expected_.end();
 }
 
-bool ClientInbox::unbounded(std::uint64_t id) const {
-  for (const Expected& entry : expected_)
-    if (entry.id == id) return entry.unbounded;
+void ClientInbox::forget(std::uint64_t id) {
+  if (const auto found = find(id); found != expected_.end()) expected_.erase(found);
+}
+
+bool ClientInbox::unbounded(std::uint64_t id) {
+  if (const auto found = find(id); found != expected_.end()) return found->unbounded;
   throw std::invalid_argument("no request with id " + std::to_string(id) + " is in flight");
 }
 
 void ClientInbox::put(ReplyFrame frame) {
   if (frame.reply_to != 0) {
-    for (Expected& entry : expected_)
-      if (entry.id == frame.reply_to) entry.reply = std::move(frame.reply);
+    if (const auto found = find(frame.reply_to); found != expected_.end())
+      found->reply = std::move(frame.reply);
     return;
   }
   if (const auto* error = std::get_if<Error>(&frame.reply)) last_error_ = error->text;
@@ -63,13 +67,11 @@ void ClientInbox::replace_sample(const std::string& stream, Reply& sample) {
 }
 
 std::optional<Reply> ClientInbox::take_reply(std::uint64_t id) {
-  for (Expected& entry : expected_) {
-    if (entry.id != id || !entry.reply) continue;
-    Reply reply = std::move(*entry.reply);
-    forget(id);
-    return reply;
-  }
-  return std::nullopt;
+  const auto found = find(id);
+  if (found == expected_.end() || !found->reply) return std::nullopt;
+  Reply reply = std::move(*found->reply);
+  expected_.erase(found);
+  return reply;
 }
 
 std::optional<Reply> ClientInbox::take_next() {

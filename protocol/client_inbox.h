@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "protocol/codec.h"
 
@@ -18,14 +17,15 @@ inline constexpr std::size_t kMaxKeptEvents = 1024;
 
 class ClientInbox {
  public:
-  // Announces that a reply to `id` is wanted. A reply that is not wanted, or no longer, is dropped.
+  // Announces that a reply to `id` is wanted; each id is greater than those before. A reply that is not
+  // wanted, or no longer, is dropped.
   // `unbounded`: its wait has no time limit.
   void expect(std::uint64_t id, bool unbounded);
   // Gives up waiting for the reply to `id`.
   void forget(std::uint64_t id);
   // True if the wait for this reply has no time limit, as told to expect(). Throws std::invalid_argument if
   // `id` is not expected.
-  bool unbounded(std::uint64_t id) const;
+  bool unbounded(std::uint64_t id);
 
   // Files a frame that arrived: as the reply to its request, or as a sample or event.
   void put(ReplyFrame frame);
@@ -42,10 +42,15 @@ class ClientInbox {
     bool unbounded;
     std::optional<Reply> reply;
   };
+  using Place = std::deque<Expected>::iterator;
   void keep(Reply reply);
   void replace_sample(const std::string& stream, Reply& sample);
 
-  std::vector<Expected> expected_;  // few
+  // Where it stands in expected_; its end: it is not expected.
+  Place find(std::uint64_t id);
+
+  // By id. A client that sends hundreds of requests ahead takes the replies in their order, from the front.
+  std::deque<Expected> expected_;
   std::deque<Reply> kept_;
   std::size_t kept_events_ = 0;
   std::map<std::string, std::uint64_t>

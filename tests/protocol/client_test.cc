@@ -327,6 +327,21 @@ TEST(ClientInbox, DropsAnswersThatNobodyWaitsFor) {
   EXPECT_FALSE(inbox.take_next());
 }
 
+TEST(ClientInbox, FindsEachReplyInWhateverOrderTheyAreTaken) {
+  ClientInbox inbox;
+  for (std::uint64_t id = 1; id <= 200; ++id) inbox.expect(id, id % 2 == 0);
+  inbox.forget(100);
+  for (std::uint64_t id = 1; id <= 200; ++id) inbox.put({id, Ok{static_cast<std::int64_t>(id)}});
+  EXPECT_TRUE(inbox.unbounded(2));
+  EXPECT_FALSE(inbox.take_reply(100));
+  for (const std::uint64_t id : {150u, 1u, 2u, 200u}) {
+    const auto reply = inbox.take_reply(id);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(std::get<Ok>(*reply).acts_at_tick, static_cast<std::int64_t>(id));
+    EXPECT_FALSE(inbox.take_reply(id)) << "taken once";
+  }
+}
+
 TEST(ParseAddress, UnderstandsTheThreeForms) {
   using Pair = std::pair<std::string, std::uint16_t>;
   EXPECT_EQ(parse_address("lab:1500"), Pair("lab", 1500));
