@@ -138,7 +138,9 @@ void Controllers::await_exit(Controller& controller) {
                                            (controller.joined ? "it" : "'" + controller.spec->through + "'") +
                                            " had left the clock");
     }
-    wait_loop_.wait(-1, milliseconds(1));
+    // The world stands meanwhile, so a program's end is not waited for by the millisecond.
+    const auto& process = *controller.process;
+    wait_loop_.wait(process.exit() ? -1 : process.exit_fd(), milliseconds(1));
   }
   check_ends();
 }
