@@ -10,8 +10,8 @@ namespace {
 
 const std::map<std::string, std::uint64_t> kGolden{
     {"OdeWorld", 0x104bf19a5993ab77ull},       {"OdeQuick", 0xcd99abfa3f8f7fe2ull},
-    {"Impulse", 0xf5a06573b776afa6ull},        {"ImpulseOrder4", 0xa579aa80b01df229ull},
-    {"ImpulseIterate", 0x8f3ebc112273265cull},
+    {"Impulse", 0x4fd46ea0a264e4d1ull},        {"ImpulseOrder4", 0xdc92c12dcb61276dull},
+    {"ImpulseIterate", 0x365f29886754b0b3ull},
 };
 
 class Golden : public Contract {};

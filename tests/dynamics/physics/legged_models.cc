@@ -168,12 +168,12 @@ world::WorldModel standing_linkages(const world::EngineSetting& engine, double t
   return b.model;
 }
 
-world::WorldModel falling_ragdolls(const world::EngineSetting& engine, double tick_s, int count) {
+world::WorldModel falling_ragdolls(const world::EngineSetting& engine, double tick_s, int count, int first) {
   constexpr double kPitch = 3.0, kHeight = 1.5;  // m
   ModelBuilder b(engine);
   b.model.tick_ns = std::llround(1e9 * tick_s);
   b.add_ground();
-  for (int i = 0; i < count; ++i)
+  for (int i = first; i < first + count; ++i)
     add_ragdoll(b, "doll_" + std::to_string(i) + "_",
                 at(kPitch * (i % kInARow), kPitch * (i / kInARow), kHeight, 0.4 + 0.7 * i, {1.0, 0.5, 0.2}));
   return b.model;

@@ -23,7 +23,8 @@ world::WorldModel standing_quadrupeds(const world::EngineSetting& engine, double
 world::WorldModel standing_linkages(const world::EngineSetting& engine, double tick_s, int count);
 
 // `count` figures of eleven parts with ball joints and hinges, which fall onto a plane from 0.5 m, each
-// turned in another way. In rows of ten, 3 m apart.
-world::WorldModel falling_ragdolls(const world::EngineSetting& engine, double tick_s, int count);
+// turned in another way. In rows of ten, 3 m apart. `first`: number of the first one.
+world::WorldModel falling_ragdolls(const world::EngineSetting& engine, double tick_s, int count,
+                                   int first = 0);
 
 }  // namespace visum::physics

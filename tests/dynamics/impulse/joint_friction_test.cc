@@ -1,0 +1,58 @@
+// Dry friction and stops in the joints of mechanisms that lie on the ground.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/legged_models.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+using testing::Lab;
+
+constexpr int kFallen = 1300;  // ticks of 1 ms
+
+world::WorldModel figure(int number) {
+  return physics::falling_ragdolls(physics::engine_row("impulse").setting, 1e-3, 1, number);
+}
+
+double fastest(const Lab& lab) {
+  double fastest = 0.0;
+  for (const auto& body : lab.state.bodies) fastest = std::max(fastest, body.v_WC.norm());
+  return fastest;
+}
+
+// These came to rest with joints at their stops and with friction at its limit, and took up to a million
+// units of work in each tick from then on.
+TEST(JointFriction, FiguresThatLieStillTakeLittleWork) {
+  for (const int number : {31, 32, 41, 42, 45, 50, 52}) {
+    Lab lab(figure(number));
+    lab.run_ticks(kFallen);
+    std::uint64_t work = 0;
+    for (int tick = 0; tick < 200; ++tick) work += lab.step().work;
+    EXPECT_LT(work / 200, 90'000u) << number;
+    EXPECT_LT(fastest(lab), 1e-6) << number;
+  }
+}
+
+TEST(JointFriction, FiguresGoOnWithTheSameBitsFromARestoredState) {
+  Lab straight(figure(45)), fresh(figure(45));
+  straight.run_ticks(kFallen);
+  const auto at_stop = [](const world::Joint& joint, const world::JointState& state) {
+    return joint.limited && (state.position <= joint.lower || state.position >= joint.upper);
+  };
+  bool any = false;
+  for (std::size_t i = 0; i < straight.model.joints.size(); ++i)
+    any = any || at_stop(straight.model.joints[i], straight.state.joints[i]);
+  EXPECT_TRUE(any);
+  fresh.state = straight.state;
+  straight.run_ticks(100);
+  fresh.run_ticks(100);
+  EXPECT_EQ(straight.hash(), fresh.hash());
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse
