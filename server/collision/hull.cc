@@ -1,18 +1,21 @@
 // An incremental hull. It starts with a tetrahedron. Each point outside then replaces the faces that it sees
 // by a fan from itself to their horizon. The work is quadratic, done once at load, for at most a few thousand
-// points. Where many points lie nearly in a plane, rounding may make a point see faces that are no
-// neighbours, and the faces pile up. What comes out is checked, and then made anew from integers without
-// rounding.
+// points. Most of it is to ask how high points lie above planes: Heights answers roughly for many at once,
+// and what may count is asked again exactly. Where many points lie nearly in a plane, rounding may make a
+// point see faces that are no neighbours, and the faces pile up. What comes out is checked, and then made
+// anew from integers without rounding.
 #include "server/collision/hull.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <map>
 #include <numeric>
-#include <set>
 #include <stdexcept>
+#include <utility>
+
+#include "server/collision/heights.h"
 
 namespace visum::collision {
 namespace {
@@ -61,41 +64,102 @@ std::vector<Triangle> first_tetrahedron(Points points, double tolerance) {
           make_triangle_of(points, p, d, q), make_triangle_of(points, q, d, a)};
 }
 
-// Adds a point, if it lies outside: if it sees a face.
-template <typename Face, typename Sees, typename Make>
-void add_point(std::vector<Face>& hull, std::uint32_t point, Sees sees, Make make) {
-  // An edge of the seen faces is on the horizon if its reverse is not seen.
-  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> horizon;
-  for (const Face& face : hull) {
-    if (!sees(face)) continue;
+// The border of the faces that a point sees: their edges of which the reverse is not among them.
+class Horizon {
+ public:
+  void clear() { edges_.clear(); }
+  bool empty() const { return edges_.empty(); }
+
+  void add_face(const std::array<std::uint32_t, 3>& corners) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = face.corners[i], to = face.corners[(i + 1) % 3];
-      if (horizon.erase({to, from}) == 0) horizon[{from, to}] = true;
+      const Edge edge(corners[i], corners[(i + 1) % 3]), reverse(edge.second, edge.first);
+      const auto opposite = std::ranges::lower_bound(edges_, reverse);
+      if (opposite != edges_.end() && *opposite == reverse) {
+        edges_.erase(opposite);
+        continue;
+      }
+      const auto place = std::ranges::lower_bound(edges_, edge);
+      if (place == edges_.end() || *place != edge) edges_.insert(place, edge);
     }
   }
-  if (horizon.empty()) return;
-  std::erase_if(hull, sees);
-  for (const auto& [edge, unused] : horizon) hull.push_back(make(edge.first, edge.second, point));
+
+  // Calls visit(from, to) in ascending order.
+  template <typename Visit>
+  void visit(Visit visit_one) const {
+    for (const auto& [from, to] : edges_) visit_one(from, to);
+  }
+
+ private:
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<Edge> edges_;  // sorted
+};
+
+double height_above(const Triangle& face, const Eigen::Vector3d& point) {
+  return face.normal.dot(point) - face.offset;
 }
 
-// The faces that rounding leaves: not always a hull (see is_hull).
+// The faces that rounding leaves: not always a hull (see is_hull). Faces that are gone stay in the list for a
+// while, so that the others need not move.
 std::vector<Triangle> rounded_hull(Points points, double tolerance) {
-  std::vector<Triangle> hull = first_tetrahedron(points, tolerance);
-  for (std::uint32_t i = 0; i < points.size() && hull.size() <= 2 * points.size(); ++i)
-    add_point(
-        hull, i, [&](const Triangle& face) { return face.normal.dot(points[i]) - face.offset > tolerance; },
-        [&](auto a, auto b, auto c) { return make_triangle_of(points, a, b, c); });
-  return hull;
+  std::vector<Triangle> faces;
+  std::vector<bool> is_gone;
+  Heights planes(points);
+  const auto add = [&](const Triangle& face) {
+    faces.push_back(face);
+    is_gone.push_back(false);
+    planes.add_plane(face.normal, face.offset);
+  };
+  const auto remove_gone = [&] {
+    std::size_t i = 0;
+    std::erase_if(faces, [&](const Triangle&) { return is_gone[i++]; });
+    is_gone.assign(faces.size(), false);
+    planes.clear();
+    for (const Triangle& face : faces) planes.add_plane(face.normal, face.offset);
+  };
+  for (const Triangle& face : first_tetrahedron(points, tolerance)) add(face);
+  std::size_t count = faces.size();
+  Horizon horizon;
+  std::vector<std::size_t> seen;
+  for (std::uint32_t i = 0; i < points.size() && count <= 2 * points.size(); ++i) {
+    horizon.clear();
+    seen.clear();
+    planes.visit_planes_below(points[i], tolerance, [&](std::size_t f) {
+      if (is_gone[f] || !(height_above(faces[f], points[i]) > tolerance)) return;
+      horizon.add_face(faces[f].corners);
+      seen.push_back(f);
+    });
+    if (horizon.empty()) continue;
+    for (const std::size_t f : seen) {
+      is_gone[f] = true;
+      planes.drop(f);
+    }
+    count -= seen.size();
+    horizon.visit([&](auto from, auto to) {
+      add(make_triangle_of(points, from, to, i));
+      ++count;
+    });
+    if (faces.size() > 2 * count) remove_gone();
+  }
+  remove_gone();
+  return faces;
 }
 
 // True if the faces close, and no point lies beyond one. A closed surface of triangles has 2V - 4 of them.
 bool is_hull(Points points, const std::vector<Triangle>& faces, double tolerance) {
-  std::set<std::uint32_t> corners;
-  for (const Triangle& face : faces) corners.insert(face.corners.begin(), face.corners.end());
-  return faces.size() + 4 == 2 * corners.size() && std::ranges::all_of(faces, [&](const Triangle& face) {
-           return std::ranges::all_of(
-               points, [&](const auto& p) { return face.normal.dot(p) - face.offset <= tolerance; });
-         });
+  std::vector<bool> is_corner(points.size(), false);
+  for (const Triangle& face : faces)
+    for (const std::uint32_t corner : face.corners) is_corner[corner] = true;
+  const auto corners = static_cast<std::size_t>(std::ranges::count(is_corner, true));
+  if (faces.size() + 4 != 2 * corners) return false;
+  Heights heights(points);
+  for (const Eigen::Vector3d& point : points) heights.add_point(point);
+  return std::ranges::all_of(faces, [&](const Triangle& face) {
+    bool holds_all = true;
+    heights.visit_points_above(face.normal, face.offset, tolerance, [&](std::size_t i) {
+      holds_all = holds_all && height_above(face, points[i]) <= tolerance;
+    });
+    return holds_all;
+  });
 }
 
 using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
@@ -133,16 +197,21 @@ std::vector<Triangle> exact_hull(Points points, double size, std::uint64_t cells
   std::vector<CellFace> hull;
   for (const Triangle& face : first_tetrahedron(points, kFlatness * size))
     hull.push_back(make(face.corners[0], face.corners[1], face.corners[2]));
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    add_point(
-        hull, i,
-        [&](const CellFace& face) {
-          Volume volume = 0;
-          const Cell from = grid[i] - grid[face.corners[0]];
-          for (int axis = 0; axis < 3; ++axis) volume += static_cast<Volume>(face.normal[axis]) * from[axis];
-          return volume > 0;
-        },
-        make);
+  Horizon horizon;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const auto is_seen = [&](const CellFace& face) {
+      Volume volume = 0;
+      const Cell from = grid[i] - grid[face.corners[0]];
+      for (int axis = 0; axis < 3; ++axis) volume += static_cast<Volume>(face.normal[axis]) * from[axis];
+      return volume > 0;
+    };
+    horizon.clear();
+    for (const CellFace& face : hull)
+      if (is_seen(face)) horizon.add_face(face.corners);
+    if (horizon.empty()) continue;
+    std::erase_if(hull, is_seen);
+    horizon.visit([&](auto from, auto to) { hull.push_back(make(from, to, i)); });
+  }
   std::vector<Triangle> faces;
   for (const CellFace& face : hull) {
     const Eigen::Vector3d normal = face.normal.cast<double>().normalized();
@@ -231,19 +300,31 @@ Polytope join_coplanar(Points points, std::vector<Triangle> triangles, double to
         .norm();
   };
   // The largest triangles have the best normals, and stand for the small ones in their plane.
-  std::stable_sort(triangles.begin(), triangles.end(), [&](auto& s, auto& t) { return area(s) > area(t); });
+  std::vector<std::pair<double, std::uint32_t>> by_area;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) by_area.emplace_back(area(triangles[i]), i);
+  std::ranges::stable_sort(by_area, std::greater(), &std::pair<double, std::uint32_t>::first);
+  std::vector<Triangle> sorted;
+  for (const auto& [unused, i] : by_area) sorted.push_back(triangles[i]);
+  triangles = std::move(sorted);
   PolytopeBuilder builder(points);
   std::vector<std::vector<std::uint32_t>> triangles_at(points.size());  // by corner
+  for (const std::uint32_t v : on_hull) triangles_at[v].reserve(8);
   for (std::uint32_t i = 0; i < triangles.size(); ++i)
     for (const std::uint32_t corner : triangles[i].corners) triangles_at[corner].push_back(i);
   std::vector<bool> joined(triangles.size(), false), is_near(points.size(), false);
+  std::vector<std::uint32_t> near;
+  Heights heights(points);
+  for (const std::uint32_t v : on_hull) heights.add_point(points[v]);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (joined[i]) continue;
-    std::vector<std::uint32_t> near;
-    for (const std::uint32_t v : on_hull) {
-      is_near[v] = std::abs(triangles[i].normal.dot(points[v]) - triangles[i].offset) <= tolerance;
-      if (is_near[v]) near.push_back(v);
-    }
+    for (const std::uint32_t v : near) is_near[v] = false;
+    near.clear();
+    heights.visit_points_above(triangles[i].normal, triangles[i].offset, -tolerance, [&](std::size_t at) {
+      const std::uint32_t v = on_hull[at];
+      if (!(std::abs(height_above(triangles[i], points[v])) <= tolerance)) return;
+      is_near[v] = true;
+      near.push_back(v);
+    });
     const auto corners = polygon_of(points, near, triangles[i], tolerance);
     if (corners.size() > 2)
       builder.add_face(triangles[i].normal, corners);  // with fewer corners it is a sliver

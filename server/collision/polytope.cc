@@ -52,6 +52,7 @@ void index_polytope(Polytope& polytope) {
   polytope.normals.clear();
   polytope.edges.clear();
   polytope.faces_of.assign(polytope.vertices.size(), {});
+  for (auto& faces : polytope.faces_of) faces.reserve(8);
   Directions normals(polytope.normals), edges(polytope.edges);
   for (std::uint32_t f = 0; f < polytope.faces.size(); ++f) {
     const auto corners = polytope.corners_of(polytope.faces[f]);
