@@ -1,7 +1,12 @@
 #include "server/scene/hulls.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
+#include <vector>
 
 namespace visum::scene {
 namespace {
@@ -27,6 +32,59 @@ void split(world::TriangleMesh& ball) {
   ball.triangles = std::move(finer);
 }
 
+// Finds the vertex that is farthest in a direction. Files keep neighbours together, so runs of vertices lie
+// in small boxes, and only few boxes reach far enough to be looked into.
+class Farthest {
+ public:
+  explicit Farthest(const std::vector<Vector3d>& vertices) : vertices_(vertices) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (i % kRun == 0) boxes_.emplace_back();
+      boxes_.back().extend(vertices[i]);
+      largest_ = std::max(largest_, vertices[i].lpNorm<1>());
+    }
+    reaches_.resize(boxes_.size());
+  }
+
+  // The first one, if there are several.
+  std::size_t along(const Vector3d& unit) {
+    for (std::size_t run = 0; run < boxes_.size(); ++run) {
+      const auto& low = boxes_[run].min();
+      const auto& high = boxes_[run].max();
+      reaches_[run] = kRounding * largest_;
+      for (int i = 0; i < 3; ++i) reaches_[run] += std::max(unit[i] * low[i], unit[i] * high[i]);
+    }
+    const auto promising = std::max_element(reaches_.begin(), reaches_.end()) - reaches_.begin();
+    double most = -kNone;
+    std::size_t best = 0;
+    look_into(static_cast<std::size_t>(promising), unit, most, best);
+    // From here on the vertices are met in their order, those that are as far among them.
+    most = std::nextafter(most, -kNone);
+    for (std::size_t run = 0; run < boxes_.size(); ++run)
+      if (reaches_[run] > most) look_into(run, unit, most, best);
+    return best;
+  }
+
+ private:
+  static constexpr std::size_t kRun = 32;
+  static constexpr double kRounding = 1e-14;  // share of the coordinates; some ten roundings
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  void look_into(std::size_t run, const Vector3d& unit, double& most, std::size_t& best) const {
+    const std::size_t end = std::min(vertices_.size(), (run + 1) * kRun);
+    for (std::size_t i = run * kRun; i < end; ++i) {
+      const double here = unit.dot(vertices_[i]);
+      if (here <= most) continue;
+      most = here;
+      best = i;
+    }
+  }
+
+  const std::vector<Vector3d>& vertices_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of kRun vertices each
+  std::vector<double> reaches_;             // of the boxes in a direction, and a little more
+  double largest_ = 0.0;
+};
+
 }  // namespace
 
 world::TriangleMesh ball_mesh() {
@@ -46,16 +104,9 @@ world::TriangleMesh thin_hull(const world::TriangleMesh& mesh) {
   thin.name = mesh.name + " (hull)";
   std::map<std::size_t, std::uint32_t> kept;
   std::vector<std::uint32_t> farthest;
+  Farthest vertices(mesh.vertices);
   for (const Vector3d& direction : directions.vertices) {
-    std::size_t best = 0;
-    double most = -1e300;
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      const double here = direction.dot(mesh.vertices[i]);
-      if (here > most) {
-        most = here;
-        best = i;
-      }
-    }
+    const std::size_t best = vertices.along(direction);
     const auto [entry, is_new] = kept.try_emplace(best, static_cast<std::uint32_t>(thin.vertices.size()));
     if (is_new) thin.vertices.push_back(mesh.vertices[best]);
     farthest.push_back(entry->second);
