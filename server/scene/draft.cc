@@ -165,9 +165,9 @@ void Draft::forbid_collision(world::BodyId a, world::BodyId b) {
 }
 
 world::MeshId Draft::mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
-                          const config::Place& wanted_by) {
+                          const config::Place& wanted_by, const world::TriangleMesh* known) {
   const auto [entry, is_new] = meshes_.try_emplace({file.string(), scale[0], scale[1], scale[2]});
-  if (is_new) entry->second = add_mesh(read_mesh(file, wanted_by), scale, wanted_by);
+  if (is_new) entry->second = add_mesh(known ? *known : read_mesh(file, wanted_by), scale, wanted_by);
   return entry->second;
 }
 

@@ -78,8 +78,9 @@ class Draft {
   void forbid_collision(world::BodyId a, world::BodyId b);
 
   // Reads a mesh once per file and scale; the triangles of all meshes together stay within kMaxTriangles.
+  // `known`, if it is not null, is what the file holds.
   world::MeshId mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
-                     const config::Place& wanted_by);
+                     const config::Place& wanted_by, const world::TriangleMesh* known = nullptr);
   // The same for a part of a file that was converted: `mesh`, once per name and scale.
   world::MeshId converted_mesh(const std::string& name, const world::TriangleMesh& mesh,
                                const Eigen::Vector3d& scale, const config::Place& wanted_by);

@@ -199,7 +199,11 @@ class Placement {
   // The mesh of a shape: from its own file, or a part of a converted Collada file.
   world::MeshId mesh_of(const RobotShape& from, const RobotLink& link) {
     const auto converted = robot_.converted.find(from.mesh);
-    if (converted == robot_.converted.end()) return draft_.mesh(from.mesh, from.scale, link_place(link));
+    if (converted == robot_.converted.end()) {
+      const auto seen = robot_.seen.find(from.mesh);
+      return draft_.mesh(from.mesh, from.scale, link_place(link),
+                         seen == robot_.seen.end() ? nullptr : &seen->second);
+    }
     return draft_.converted_mesh(from.mesh.string() + "#" + std::to_string(from.mesh_part),
                                  converted->second.parts[from.mesh_part].mesh, from.scale, link_place(link));
   }

@@ -152,6 +152,8 @@ RobotModel one_of_world(const RobotModel& world, const std::string& model) {
       strip(shape.link);
       if (const auto mesh = world.converted.find(shape.mesh); mesh != world.converted.end())
         one.converted.insert(*mesh);
+      else if (const auto seen = world.seen.find(shape.mesh); seen != world.seen.end())
+        one.seen.insert(*seen);
     }
     one.links.push_back(std::move(link));
   }

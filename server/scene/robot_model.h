@@ -78,8 +78,9 @@ struct RobotModel {
   std::vector<RobotLink> links;    // in the order of the file
   std::vector<RobotJoint> joints;  // in the order of the file; after join_links() none is fixed
   std::vector<JoinedLink> joined;
-  std::map<std::filesystem::path, ColladaMesh> converted;  // meshes that are read already, by their file
-  std::vector<Remark> losses;                              // things that are not shown or not simulated
+  std::map<std::filesystem::path, ColladaMesh> converted;     // meshes that are read already, by their file
+  std::map<std::filesystem::path, world::TriangleMesh> seen;  // STL and OBJ of looks, read already
+  std::vector<Remark> losses;                                 // things that are not shown or not simulated
   std::vector<Remark> repairs;     // things that the file gives in a way that no solid has
   std::vector<std::string> notes;  // things that are read in another way than the file says, without a loss
   std::vector<std::string> actuated;  // joints with an actuator, by name; empty: the file names none

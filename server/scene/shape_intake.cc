@@ -95,7 +95,7 @@ std::string ShapeIntake::check_seen_mesh(const RobotShape& shape, const RobotLin
   const auto [entry, is_new] = seen_meshes_.try_emplace(shape.mesh);
   if (!is_new) return entry->second;
   try {
-    read_mesh(shape.mesh, place_of(link));
+    model_.seen.emplace(shape.mesh, read_mesh(shape.mesh, place_of(link)));
   } catch (const config::ConfigError& error) {
     entry->second = "is the mesh '" + shape.mesh.string() + "', which " + error.message();
   }
