@@ -55,6 +55,11 @@ std::shared_ptr<const Solid> PreparedMeshes::hull(const world::TriangleMesh& mes
                       [&] { return std::make_shared<const Solid>(make_convex(make_hull(mesh.vertices))); });
 }
 
+std::size_t PreparedMeshes::count() {
+  const std::lock_guard lock(mutex_);
+  return meshes_.size() + hulls_.size();
+}
+
 void PreparedMeshes::forget_unused() {
   const std::lock_guard lock(mutex_);
   const auto unused = [](const auto& known) { return known.second.piece.use_count() == 1; };

@@ -28,6 +28,7 @@ class PreparedMeshes {
   std::shared_ptr<const Mesh> mesh(const world::TriangleMesh& mesh);
   // Throws std::runtime_error where the vertices span no volume.
   std::shared_ptr<const Solid> hull(const world::TriangleMesh& mesh);
+  std::size_t count();  // of what is prepared
   // Lets go of what nobody else has, such as the meshes of bodies that went.
   void forget_unused();
 

@@ -1,7 +1,16 @@
 #include "server/collision/shapes.h"
 
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "server/world/on_processors.h"
+
 namespace visum::collision {
 namespace {
+
+constexpr std::size_t kManyMeshes = 4;
+constexpr std::size_t kMostThreads = 4;
 
 std::shared_ptr<const Solid> make_solid(const world::WorldModel& model, const world::Shape& shape,
                                         PreparedMeshes& meshes) {
@@ -67,6 +76,27 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
   return prepared;
 }
 
+// Prepares hulls and trees on several threads, where there are many new ones. Their faults come again where
+// the shape is prepared.
+void prepare_meshes(const world::WorldModel& model, PreparedMeshes& meshes) {
+  std::set<std::pair<world::ShapeKind, world::MeshId>> wanted;
+  for (const world::Shape& shape : model.shapes)
+    if (shape.collides && shape.mesh.valid()) wanted.emplace(shape.kind, shape.mesh);
+  if (wanted.size() < meshes.count() + kManyMeshes) return;
+  const std::vector<std::pair<world::ShapeKind, world::MeshId>> list(wanted.begin(), wanted.end());
+  world::on_processors(list.size(), kMostThreads, [&](std::size_t i) {
+    try {
+      const world::TriangleMesh& mesh = model.meshes[list[i].second.index()];
+      if (list[i].first == world::ShapeKind::kMesh)
+        meshes.mesh(mesh);
+      else
+        meshes.hull(mesh);
+    } catch (const std::exception&) {
+      // It comes again.
+    }
+  });
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matrix3d& R,
@@ -78,6 +108,7 @@ Eigen::AlignedBox3d box_around(const Eigen::AlignedBox3d& box, const Eigen::Matr
 }
 
 std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes) {
+  prepare_meshes(model, meshes);
   std::vector<PreparedShape> shapes;
   for (std::size_t i = 0; i < model.shapes.size(); ++i) {
     if (model.shapes[i].collides) shapes.push_back(prepare(model, {static_cast<std::int32_t>(i)}, meshes));

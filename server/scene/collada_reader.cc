@@ -1,20 +1,15 @@
 #include "server/scene/collada_reader.h"
 
-#include <sched.h>
-
-#include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
-#include <functional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
-#include <thread>
 
 #include "protocol/config/read_file.h"
 #include "server/scene/mesh_readers.h"
 #include "server/scene/reader_process.h"
+#include "server/world/on_processors.h"
 
 namespace visum::scene {
 namespace {
@@ -72,25 +67,6 @@ std::vector<CodeFile> take_code(std::string_view& answer) {
 fs::path program_beside_this() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error).parent_path() / "visum-mesh";
-}
-
-// Calls act(0) to act(count - 1), on as many threads as there are processors for this one, up to
-// kMostReaders.
-void on_processors(std::size_t count, const std::function<void(std::size_t)>& act) {
-  cpu_set_t set;
-  const int processors = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-  const std::size_t readers = std::min({count, static_cast<std::size_t>(processors), kMostReaders});
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) act(i);
-  };
-  std::vector<std::jthread> threads;
-  try {
-    while (threads.size() + 1 < readers) threads.emplace_back(work);
-  } catch (const std::system_error&) {
-    // Fewer do as well.
-  }
-  work();
 }
 
 ColladaMesh convert(const fs::path& file, const config::FileContent& content, const ColladaProcess& process) {
@@ -151,7 +127,7 @@ std::vector<ColladaResult> read_all_collada(std::span<const fs::path> files, con
     for (std::size_t bytes = 0; first + contents.size() < files.size() && bytes < kReadAhead;
          bytes += contents.back().bytes.size())
       contents.push_back(config::read_file(files[first + contents.size()], kMaxMeshBytes));
-    on_processors(contents.size(), [&](std::size_t i) {
+    world::on_processors(contents.size(), kMostReaders, [&](std::size_t i) {
       try {
         results[first + i].mesh = convert(files[first + i], contents[i], process);
       } catch (...) {

@@ -256,12 +256,35 @@ TEST(CollisionStage, StagesOfOneWorldShareMeshesAndHulls) {
   EXPECT_TRUE(hull.expired());
 }
 
-TEST(CollisionStage, AHullWithoutVolumeIsRefusedEachTime) {
+TEST(CollisionStage, ManyMeshesArePreparedAsOneAfterTheOther) {
   SceneBuilder scene;
-  scene.add({kConvex, {1, 1, 1}}, {});
-  for (auto& vertex : scene.model.meshes[0].vertices) vertex.z() = 0.0;
+  for (int i = 1; i <= 20; ++i) scene.add({i % 2 ? kConvex : kMesh, {1, 1, 0.1 * i}}, at(5 * i, 0, 0));
+  scene.add_fixed({kPlane}, {});
+  scene.model.shapes[4].collides = false;
   PreparedMeshes meshes;
-  for (int i = 0; i < 2; ++i) EXPECT_THROW(prepare_shapes(scene.model, meshes), std::runtime_error);
+  const auto shapes = prepare_shapes(scene.model, meshes);
+  EXPECT_EQ(meshes.count(), 19u);
+  for (const PreparedShape& shape : shapes) {
+    SceneBuilder alone = scene;
+    alone.model.shapes = {scene.model.shapes[shape.id.index()]};
+    PreparedMeshes own;
+    const PreparedShape one = prepare_shapes(alone.model, own)[0];
+    EXPECT_EQ(one.box_S.min(), shape.box_S.min());
+    EXPECT_EQ(one.box_S.max(), shape.box_S.max());
+    if (shape.kind == kConvex) {
+      EXPECT_EQ(one.solid->convex.polytope.corners, shape.solid->convex.polytope.corners);
+    }
+  }
+}
+
+TEST(CollisionStage, AHullWithoutVolumeIsRefusedEachTime) {
+  for (const int count : {1, 10}) {
+    SceneBuilder scene;
+    for (int i = 1; i <= count; ++i) scene.add({kConvex, {1, 1, 0.1 * i}}, at(5 * i, 0, 0));
+    for (auto& vertex : scene.model.meshes.back().vertices) vertex.z() = 0.0;
+    PreparedMeshes meshes;
+    for (int i = 0; i < 2; ++i) EXPECT_THROW(prepare_shapes(scene.model, meshes), std::runtime_error);
+  }
 }
 
 TEST(CollisionStage, ShapesOnlyToBeLookedAtDoNotCollide) {

@@ -1,0 +1,30 @@
+#include "server/world/on_processors.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace visum::world {
+
+void on_processors(std::size_t count, std::size_t most_threads, const std::function<void(std::size_t)>& act) {
+  cpu_set_t set;
+  const int processors = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+  const std::size_t wanted = std::min({count, static_cast<std::size_t>(processors), most_threads});
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) act(i);
+  };
+  std::vector<std::jthread> threads;
+  try {
+    while (threads.size() + 1 < wanted) threads.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Fewer do as well.
+  }
+  work();
+}
+
+}  // namespace visum::world
