@@ -1,4 +1,4 @@
-// HMAC-SHA256, and bytes that nobody can guess. OpenSSL stays inside keyed_hash.cc. Any thread.
+// HMAC-SHA256, and bytes that nobody can guess. Any thread.
 #pragma once
 
 #include <array>
@@ -9,7 +9,6 @@ namespace visum::protocol {
 
 using KeyedHash = std::array<std::byte, 32>;
 
-// Throws std::bad_alloc where OpenSSL finds no memory.
 KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> message);
 // Throws std::runtime_error where the system has no random numbers.
 void fill_with_random(std::span<std::byte> bytes);

@@ -1,5 +1,6 @@
 // TLS 1.3 with certificates on both sides, as a filter between the bytes of a connection and its plain text.
-// It has no socket, no thread and no clock of its own. OpenSSL stays inside tls.cc.
+// It has no socket, no thread and no clock of its own. OpenSSL stays inside tls.cc,
+// and is loaded with the first context.
 #pragma once
 
 #include <cstddef>

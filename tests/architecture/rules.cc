@@ -55,7 +55,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"recording.pb.h", {"protocol/recording", "tests"}},
     {"boost/asio", {"protocol", "server/gateway", "tests"}},
     {"boost/beast", {"protocol", "tests"}},
-    {"openssl/", {"protocol/tls.cc", "protocol/keyed_hash.cc", "tests"}},
+    {"openssl/", {"protocol/openssl.h", "protocol/openssl.cc", "protocol/tls.cc", "tests"}},
     {"boost/lockfree/", {"server/gateway", "server/bus", "server/cycle", "server/recording", "tests"}},
     {"yaml-cpp/", {"protocol/config", "tests"}},
     {"urdf_parser/", {"clients/examples", "tests"}},

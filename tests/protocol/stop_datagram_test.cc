@@ -2,6 +2,7 @@
 #include "protocol/stop_datagram.h"
 
 #include <gtest/gtest.h>
+#include <openssl/hmac.h>
 
 #include <random>
 
@@ -118,6 +119,39 @@ TEST(KeyedHashTest, IsHmacSha256) {
     hex += two;
   }
   EXPECT_EQ(hex, expected);
+}
+
+// Keys and messages that end before, at and behind the border of a block.
+TEST(KeyedHashTest, IsThatOfOpenSsl) {
+  std::mt19937 random(1);
+  const auto noise = [&](std::size_t size) {
+    std::vector<std::byte> bytes(size);
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    return bytes;
+  };
+  for (const std::size_t key_size : {0, 1, 32, 63, 64, 65, 200})
+    for (std::size_t size = 0; size < 200; ++size) {
+      // With room for one more, so that OpenSSL gets an address for no bytes, too.
+      std::vector<std::byte> key = noise(key_size + 1), message = noise(size + 1);
+      key.pop_back();
+      message.pop_back();
+      KeyedHash expected;
+      ASSERT_NE(HMAC(EVP_sha256(), key.data(), static_cast<int>(key_size),
+                     reinterpret_cast<const unsigned char*>(message.data()), size,
+                     reinterpret_cast<unsigned char*>(expected.data()), nullptr),
+                nullptr);
+      EXPECT_EQ(keyed_hash(key, message), expected) << key_size << " " << size;
+    }
+}
+
+TEST(KeyedHashTest, EveryBitCountsWhereTwoAreCompared) {
+  const KeyedHash hash = keyed_hash({}, {});
+  EXPECT_TRUE(equal_in_constant_time(hash, hash));
+  for (std::size_t bit = 0; bit < 8 * hash.size(); ++bit) {
+    KeyedHash other = hash;
+    other[bit / 8] ^= std::byte{1} << bit % 8;
+    EXPECT_FALSE(equal_in_constant_time(hash, other));
+  }
 }
 
 }  // namespace

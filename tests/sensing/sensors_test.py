@@ -69,20 +69,20 @@ class Sensors(unittest.TestCase):
             self.assertEqual(file.read_bytes(), first)
 
 
-class RayTracer(unittest.TestCase):
+class Libraries(unittest.TestCase):
     def loaded_by(self, daemon):
         files = {line.split()[-1] for line in pathlib.Path(f"/proc/{daemon.process.pid}/maps").read_text().splitlines()}
         return {pathlib.Path(file).name.split(".so")[0] for file in files if ".so" in file}
 
-    def test_it_is_loaded_where_a_sensor_casts_rays_and_only_there(self):
+    def test_they_are_loaded_where_they_are_needed_and_only_there(self):
         with Daemon("--http", "off") as daemon:
             loaded = self.loaded_by(daemon)
             self.assertIn("libode", loaded)
-            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap", "libprotobuf"} & loaded, loaded)
+            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap", "libprotobuf", "libssl", "libcrypto"} & loaded, loaded)
         with Daemon("--http", "off", scene=SCENE) as daemon:
             self.assertIn("libembree3", self.loaded_by(daemon))
 
-    def test_a_server_without_it_says_so_where_it_is_needed(self):
+    def test_a_server_without_the_ray_tracer_says_so_where_it_is_needed(self):
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "libembree3.so.3").write_text("no library")
             environment = os.environ | {"LD_LIBRARY_PATH": folder}
