@@ -151,7 +151,7 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_BINARY_DIR}/open_prefix.cmake)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Loaded at run time: server/sensing/embree.h and protocol/openssl.h.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libembree3-3 (>= 3.13), libssl3 (>= 3.0)")
+# Loaded at run time: server/sensing/embree.h, server/dynamics/ode/ode_library.h and protocol/openssl.h.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libembree3-3 (>= 3.13), libode8 (>= 2:0.16), libssl3 (>= 3.0)")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-protobuf, python3-numpy")
 include(CPack)

@@ -52,11 +52,12 @@ class Tls(WithCertificates):
     def test_programs_without_openssl_say_so_where_they_need_it(self):
         (self.folder / "libssl.so.3").write_text("no library")
         environment = os.environ | {"LD_LIBRARY_PATH": str(self.folder)}
-        for words in (["visumd", ARM, "--port", "0", "--http", "off", *self.files("server")],
-                      ["visum", "parts", "--connect", "127.0.0.1:1", *self.files("boss")]):
-            done = subprocess.run([BIN / words[0], *words[1:]], env=environment, capture_output=True, text=True, timeout=60)
-            self.assertRegex(done.stderr, r"TLS: OpenSSL cannot be loaded: .*libssl\.so\.3: file too short")
-            self.assertIn(done.returncode, (1, 2))
+        with self.daemon() as daemon:
+            for words in (["visumd", ARM, "--port", "0", "--http", "off", *self.files("server")],
+                          ["visum", "parts", "--connect", daemon.connect, *self.files("boss")]):
+                done = subprocess.run([BIN / words[0], *words[1:]], env=environment, capture_output=True, text=True, timeout=60)
+                self.assertRegex(done.stderr, r"TLS: OpenSSL cannot be loaded: .*libssl\.so\.3: file too short")
+                self.assertIn(done.returncode, (1, 2))
 
     def test_nothing_older_than_1_3_and_nobody_without_a_certificate(self):
         with self.daemon() as daemon:

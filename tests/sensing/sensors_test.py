@@ -11,7 +11,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "tests" / "clients"))
-from programs import BIN, Daemon  # noqa: E402
+from programs import ARM, BIN, Daemon  # noqa: E402
 
 sys.path.insert(0, str(BIN.parent / "python"))
 import visum  # noqa: E402
@@ -77,10 +77,12 @@ class Libraries(unittest.TestCase):
     def test_they_are_loaded_where_they_are_needed_and_only_there(self):
         with Daemon("--http", "off") as daemon:
             loaded = self.loaded_by(daemon)
-            self.assertIn("libode", loaded)
-            self.assertFalse({"libembree3", "libtbb", "libfcl", "liboctomap", "libprotobuf", "libssl", "libcrypto"} & loaded, loaded)
+            self.assertIn("libyaml-cpp", loaded)
+            self.assertFalse({"libode", "libembree3", "libtbb", "libfcl", "liboctomap", "libprotobuf", "libssl", "libcrypto"} & loaded, loaded)
         with Daemon("--http", "off", scene=SCENE) as daemon:
             self.assertIn("libembree3", self.loaded_by(daemon))
+        with Daemon("--http", "off", "--engine", "ode") as daemon:
+            self.assertIn("libode", self.loaded_by(daemon))
 
     def test_a_server_without_the_ray_tracer_says_so_where_it_is_needed(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -91,6 +93,14 @@ class Libraries(unittest.TestCase):
             self.assertRegex(done.stderr, r"the ray tracer \(Embree\) cannot be loaded: .*libembree3\.so\.3: file too short")
             self.assertEqual(done.returncode, 2)
             subprocess.run([BIN / "visumd", "--version"], env=environment, check=True, timeout=60, capture_output=True)
+
+    def test_a_scene_whose_engine_is_missing_is_refused_with_the_reason(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "libode.so.8").write_text("no library")
+            done = subprocess.run([BIN / "visumd", ARM, "--port", "0", "--engine", "ode"], env=os.environ | {"LD_LIBRARY_PATH": folder},
+                                  capture_output=True, text=True, timeout=60)
+            self.assertRegex(done.stdout + done.stderr, r"the engine ODE cannot be loaded: .*libode\.so\.8: file too short")
+            self.assertEqual(done.returncode, 2)
 
 
 if __name__ == "__main__":

@@ -2,13 +2,12 @@
 // for bit only if that order is always the same.
 #pragma once
 
-#include <ode/ode.h>
-
 #include <span>
 #include <vector>
 
 #include "server/collision/collision.h"
 #include "server/dynamics/ode/ode_handles.h"
+#include "server/dynamics/ode/ode_library.h"
 #include "server/dynamics/ode/ode_world.h"
 
 namespace visum::dynamics::ode {

@@ -1,12 +1,12 @@
 #include "server/dynamics/ode/ode_guard.h"
 
-#include <ode/ode.h>
-
 #include <array>
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
 #include <string>
+
+#include "server/dynamics/ode/ode_library.h"
 
 namespace visum::dynamics::ode {
 namespace {
@@ -24,6 +24,7 @@ void count_message(int, const char*, va_list) {
 }
 
 void initialise_process() {
+  load_ode();
   dInitODE2(0);
   dSetErrorHandler(throw_error);
   dSetDebugHandler(throw_error);

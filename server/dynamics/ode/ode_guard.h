@@ -14,6 +14,7 @@ class OdeError : public std::runtime_error {
 };
 
 // Initialises ODE for the process and this thread, and sets the handlers. Cheap to call again.
+// Call it before any function of ODE. Throws as load_ode() does.
 void ensure_ode();
 
 // How many messages ODE has written on this thread without giving up (for example an LCP that it solved only

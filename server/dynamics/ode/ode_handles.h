@@ -1,10 +1,10 @@
 // Owning handles for ODE's objects.
 #pragma once
 
-#include <ode/ode.h>
-
 #include <memory>
 #include <type_traits>
+
+#include "server/dynamics/ode/ode_library.h"
 
 namespace visum::dynamics::ode {
 

@@ -7,11 +7,10 @@
 //     J v + cfm lambda = target_velocity,  -max_effort <= lambda <= max_effort,  cfm = compliance
 #pragma once
 
-#include <ode/ode.h>
-
 #include <memory>
 
 #include "hwparts/joint.h"
+#include "server/dynamics/ode/ode_library.h"
 #include "server/dynamics/ode/ode_world.h"
 
 namespace visum::dynamics::ode {

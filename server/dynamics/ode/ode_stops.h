@@ -1,8 +1,7 @@
 // Mechanical stops by ODE's own limit row, also for joints that turn more than once.
 #pragma once
 
-#include <ode/ode.h>
-
+#include "server/dynamics/ode/ode_library.h"
 #include "server/world/world_model.h"
 
 namespace visum::dynamics::ode {

@@ -1,6 +1,8 @@
 #include "server/dynamics/ode/ode_world.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 namespace visum::dynamics::ode {
 namespace {
@@ -15,9 +17,11 @@ constexpr int kStandInIterations = 200;
 
 void set_mass(dBodyID id, const world::Body& body) {
   const Eigen::Matrix3d& i = body.inertia_C;
-  dMass mass;
-  dMassSetParameters(&mass, body.mass_kg, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2));
-  dBodySetMass(id, &mass);
+  // The constructor of dMass would call ODE past our pointers. dMassSetParameters() sets all of it.
+  alignas(dMass) std::array<std::byte, sizeof(dMass)> storage;
+  auto* const mass = reinterpret_cast<dMass*>(storage.data());
+  dMassSetParameters(mass, body.mass_kg, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2));
+  dBodySetMass(id, mass);
 }
 
 // dBodySetQuaternion() would normalise once more and change the last bit. ODE itself applies dQtoR() after

@@ -2,11 +2,10 @@
 // another engine moves. It holds no truth: call load() before each step and store() after it.
 #pragma once
 
-#include <ode/ode.h>
-
 #include <vector>
 
 #include "server/dynamics/ode/ode_handles.h"
+#include "server/dynamics/ode/ode_library.h"
 #include "server/world/world_model.h"
 #include "server/world/world_state.h"
 
