@@ -1,4 +1,5 @@
-// HMAC-SHA256, and bytes that nobody can guess. Any thread.
+// HMAC-SHA256, and bytes that nobody can guess. Nettle stays inside keyed_hash.cc: a small library that every
+// program can load at its start, so that an emergency stop never waits for OpenSSL. Any thread.
 #pragma once
 
 #include <array>

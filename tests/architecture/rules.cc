@@ -56,6 +56,7 @@ const std::vector<ThirdParty> kThirdParties = {
     {"boost/asio", {"protocol", "server/gateway", "tests"}},
     {"boost/beast", {"protocol", "tests"}},
     {"openssl/", {"protocol/openssl.h", "protocol/openssl.cc", "protocol/tls.cc", "tests"}},
+    {"nettle/", {"protocol/keyed_hash.cc"}},
     {"boost/lockfree/", {"server/gateway", "server/bus", "server/cycle", "server/recording", "tests"}},
     {"yaml-cpp/", {"protocol/config", "tests"}},
     {"urdf_parser/", {"clients/examples", "tests"}},
