@@ -160,8 +160,9 @@ struct Spring {
   double mean_rate = 0.0;  // of the length over the look-ahead
   double impulse = 0.0;    // of the look-ahead; the end of the step repeats it
   double total = 0.0;
-  // Of a spring about a hinge's axis, or along a slider's: its place in Plant::axes, and its length as the
-  // axis measures it: sense * position + offset, and whole turns; of a slider sense * (position + offset).
+  // A spring about a hinge's axis, or along a slider's, knows the axis' place in Plant::axes, and what the
+  // axis' position says of its length: sense * position + offset and whole turns, or for a slider
+  // sense * (position + offset).
   std::size_t axis = Axis::kNone;
   double sense = 1.0, offset = 0.0;
 

@@ -59,8 +59,8 @@ void measure_on_axis(Spring& spring, const Axis& axis, const world::WorldState& 
   if (std::abs(off) >= kHalfTurn) spring.length += 2.0 * kHalfTurn * std::round(off / (2.0 * kHalfTurn));
 }
 
-// What the look-ahead gave is that of the spring and of damping together; the mean rate says how much is
-// whose. Without damping all of it is the spring's, to the bit, so that a step back is the same.
+// The look-ahead gave the impulse of spring and damping together; the mean rate says how much is whose.
+// Without damping all of it is the spring's, to the bit, so that a step back is the same.
 void repeat_on_axis(Spring& spring, Axis& axis, double h) {
   const world::Joint& model = *spring.spec.model;
   spring.mean_rate = spring.sense * axis.mean_rate;
