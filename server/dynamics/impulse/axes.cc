@@ -40,6 +40,7 @@ constexpr double kMostCompliance =
     1e30;  // (rad/s)/(N·m): gives way to everything, and still fits a single-precision number
 constexpr double kAtLimit = 1.0 - 1e-9;  // share of the limit: a law that gave this much starts at its limit
 constexpr double kMoves = 1e-9;          // rad/s, m/s: above this speed dry friction starts at its limit
+constexpr double kNearNoLengthM = 1e-3;  // of a spring along a slider
 constexpr double kPassed = 1e-12;        // share of the limit by which rounding may pass it
 
 // True if the drive gives no effort at all.
@@ -80,6 +81,15 @@ void take_axis(Axis& axis, const hwparts::JointDrive& drive, const world::JointS
   axis.total = 0.0;
   axis.kept_stops = {};
   take_law(axis, drive, joint.effort, as_row);
+}
+
+// True if the spring of a slider may pass its point of no length in this tick, where its force turns around.
+bool may_turn_around(const Plant& plant, const Axis& axis) {
+  constexpr double kMostSteps = 4.0;  // of the tick: as far as the steps of higher orders go to and fro
+  const Spring& spring = plant.springs[axis.spring];
+  if (axis.turns || spring.spec.model->rest == 0.0) return false;
+  const double way = 1e-9 * static_cast<double>(plant.model.tick_ns) * std::abs(axis.rate);
+  return std::abs(axis.start + spring.offset) <= kMostSteps * way + kNearNoLengthM;
 }
 
 // Position of the axis in a pose; an angle is unwrapped to the turn that is nearest to `near`.
@@ -163,7 +173,7 @@ void prepare_axes(Plant& plant, std::span<const hwparts::JointDrive> drives, con
       plant.all_idle = plant.all_idle && axis.idle;
       if (axis.idle && was_idle) continue;
       take_axis(axis, drive, state.joints[axis.joint.index()], as_row);
-      axis.sprung = axis.spring != Axis::kNone && !axis.acts;
+      axis.sprung = axis.spring != Axis::kNone && !axis.acts && !may_turn_around(plant, axis);
       if (!axis.idle && !plant.mechanism_asleep[m]) plant.acting.push_back(i);
       if (axis.idle && axis.node >= 0) plant.mechanisms[m].set_axis(static_cast<std::size_t>(axis.node), {});
     }

@@ -7,8 +7,6 @@
 
 namespace visum::dynamics::impulse {
 
-inline constexpr double kStandingSteps = 2.0;  // of falling: what moves faster does not stand
-
 // Fastest separation of overlapping bodies: a body that starts inside another one is not shot out of it.
 inline constexpr double kMostPush = 0.5;  // m/s
 

@@ -26,7 +26,16 @@ constexpr std::size_t kMostWaySteps = 60;
 // An answer is dear if it takes a quarter of what a tick may take. A tick has two of them, and each goes on
 // to the end of its point.
 constexpr std::uint64_t kDearShare = 4;
-constexpr double kCalmM = 1e-5;  // a deeper overlap is a hit whose bodies are still driven apart
+constexpr double kStandingSteps = 2.0;  // of falling: what moves faster does not stand
+constexpr double kCalmM = 1e-5;         // a deeper overlap is a hit whose bodies are still driven apart
+
+// The impulses of the last tick. At the end of a step a stop may take back what it gave at t, and no more.
+double start_of_stop(const Axis& axis, std::size_t side, Moment moment) {
+  const Axis::KeptStop& kept = axis.kept_stops[side];
+  const double ahead = axis.stopped[side][kAhead], after = ahead + kept.change;
+  if (moment != kAfter) return moment == kAhead ? kept.impulse : 0.0;
+  return side == 0 ? std::max(after, -ahead) : std::min(after, -ahead);
+}
 
 }  // namespace
 
@@ -228,15 +237,6 @@ void Bounded::add_law(std::size_t index) {
   connect_axis(block, axis);
 }
 
-namespace {
-
-// At the end of a step a stop may take back what it gave at t, and pushes one way only.
-double start_of_stop(double ahead, double change) {
-  return ahead < 0.0 ? std::min(ahead + change, -ahead) : std::max(ahead + change, -ahead);
-}
-
-}  // namespace
-
 // At the end of the step a stop takes part only if it has pushed at t, or if the look-ahead has reached it.
 void Bounded::add_stop(std::size_t index, std::size_t side) {
   const Axis& axis = plant_.axes[index];
@@ -246,9 +246,8 @@ void Bounded::add_stop(std::size_t index, std::size_t side) {
   if (moment_ == kAfter && axis.stopped[side][kAhead] == 0.0 && room(axis, side) > h_ * sign * axis.mean_rate)
     return;
   RowBlock& block = add_block({Of::kStop, index, side}, 1);
-  const Axis::KeptStop& kept = axis.kept_stops[side];
-  if (moment_ == kAhead) block.lambda[0] = kept.impulse;
-  if (moment_ == kAfter) block.lambda[0] = start_of_stop(axis.stopped[side][kAhead], kept.change);
+  // Where a law holds the axis, next to nothing moves the row, and what it starts from would stay.
+  if (!law_in_tree(axis)) block.lambda[0] = start_of_stop(axis, side, moment_);
   connect_axis(block, axis);
 }
 

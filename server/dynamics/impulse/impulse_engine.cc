@@ -132,6 +132,7 @@ class ImpulseEngine : public Engine {
     if (!stepper_.step_limited(input.tick_s, input.wrenches, state)) {
       prepare(input, state);
       for (Touch& touch : plant_.touches) touch.impulse[kAhead] = touch.twist[kAhead] = Vector3d::Zero();
+      for (Axis& axis : plant_.axes) axis.kept_stops = {};
       stepper_.step_limited(input.tick_s, input.wrenches, state);
     }
     warned_ = true;

@@ -12,6 +12,7 @@ constexpr std::size_t kMany = 64;      // contacts of free bodies, whose answer 
 constexpr double kMostGain = 0.02;     // share of the kinetic energy: rounding gains less than this
 constexpr double kStuck = 1e-5;        // m/s, rad/s: a row that nothing can move misses no more than this
 constexpr double kSticksFirmly = 0.5;  // share of dry friction: what gave less in the last tick sticks on
+constexpr double kStill = 1e-4;        // rad/s, m/s
 constexpr int kFreeChanges = 2;        // repetitions before a law that still changes becomes a row
 
 }  // namespace
@@ -158,25 +159,18 @@ bool IslandStepper::take_rigid_laws_as_rows() {
   return any;
 }
 
-// Where contacts push a mechanism about, dry friction in its joints sticks and slides from tick to tick. As a
-// law it would change sides, and all would be solved again; beside a stop it would let nothing move the
-// stop's row. In what stands, friction that has to give little stays in the tree.
+// Where contacts push mechanisms about, dry friction in their joints sticks and slides from tick to tick. As
+// a law it would change sides, and all would be solved again; beside a stop it would let nothing move the
+// stop's row. Friction that gave little and stood still stays in the tree.
 void IslandStepper::take_friction_as_rows() {
   if (plan_.iterates || plant_.islands.touches(island_).empty()) return;
-  const double fastest = kStandingSteps * plant_.model.gravity.norm() * std::abs(plan_.h);
-  for (const std::size_t m : mechanisms()) {
-    const Mechanism& of = plant_.mechanisms[m];
-    bool stands = true;
-    for (std::size_t i = 0; i < of.size() && stands; ++i)
-      stands = plant_.bodies.v[static_cast<std::size_t>(of.body(i))].norm() <= fastest;
-    for (Axis& axis : plant_.acting_axes_of(m)) {
-      if (!axis.acts || axis.driven) continue;
-      const bool sticks = std::abs(axis.expected) < kSticksFirmly * axis.most;
-      if (stands && sticks && !is_within_reach(axis, plan_.h)) continue;
-      axis.boxed = true;
-      axis.at_limit = 0;
-    }
-  }
+  plant_.for_axes(island_, [&](Axis& axis) {
+    if (!axis.acts || axis.driven) return;
+    const bool sticks = std::abs(axis.rate) <= kStill && std::abs(axis.expected) < kSticksFirmly * axis.most;
+    if (sticks && !is_within_reach(axis, plan_.h)) return;
+    axis.boxed = true;
+    axis.at_limit = 0;
+  });
 }
 
 bool IslandStepper::foresee(std::size_t island, IslandFate& fate) {

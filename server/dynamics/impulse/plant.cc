@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "protocol/config/trig.h"
-
 #include "server/world/joint_kinds.h"
 
 namespace visum::dynamics::impulse {
@@ -31,18 +30,21 @@ bool acts_along(Spring& spring, const Axis& axis) {
          (of.axis_b - spring.sense * carrier.axis_b).norm() <= kSameAxis;
 }
 
-// Each spring may be a law of one axis in the tree, and each axis may have one spring.
-void find_axes_of_springs(std::vector<Spring>& springs, std::vector<Axis>& axes) {
+// Each spring may be a law of one axis in the tree, and each axis may have one spring. One that is next to
+// nothing stays a row: as a law it would give way without limit.
+void find_axes_of_springs(std::vector<Spring>& springs, std::vector<Axis>& axes, std::size_t bodies) {
+  constexpr double kLeast = 1e-9;                          // N·m/rad, N/m, or that times s
+  std::vector<std::size_t> carrying(bodies, Axis::kNone);  // by body: the axis of the joint that carries it
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    if (axes[k].node >= 0) carrying[static_cast<std::size_t>(axes[k].b)] = k;
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const world::Joint& model = *springs[i].spec.model;
-    if (model.stiffness + model.damping == 0.0) continue;
-    const auto found = std::ranges::find_if(axes, [&](const Axis& axis) {
-      return axis.node >= 0 && axis.spring == Axis::kNone && acts_along(springs[i], axis);
-    });
-    if (found == axes.end()) continue;
-    springs[i].axis = static_cast<std::size_t>(found - axes.begin());
-    found->spring = i;
-    found->is_free = false;
+    const JointSpec& spec = springs[i].spec;
+    const std::size_t k = carrying[static_cast<std::size_t>(spec.b)];
+    if (std::max(spec.model->stiffness, spec.model->damping) < kLeast || k == Axis::kNone) continue;
+    if (axes[k].spring != Axis::kNone || !acts_along(springs[i], axes[k])) continue;
+    springs[i].axis = k;
+    axes[k].spring = i;
+    axes[k].is_free = false;
   }
 }
 
@@ -109,9 +111,9 @@ Plant::Plant(const world::WorldModel& world_model, std::int32_t engine_index)
                    [](const Axis& a, const Axis& b) { return a.mechanism < b.mechanism; });
   first_axis.assign(mechanisms.size() + 1, 0);
   for (const Axis& axis : axes) ++first_axis[axis.mechanism + 1];
-  // The iterative solver has no tree.
-  if (setting.solver != "iterate") find_axes_of_springs(springs, axes);
   std::partial_sum(first_axis.begin(), first_axis.end(), first_axis.begin());
+  // The iterative solver has no tree.
+  if (setting.solver != "iterate") find_axes_of_springs(springs, axes, bodies.size());
   acting.reserve(axes.size());
   first_acting.assign(mechanisms.size() + 1, 0);
   islands = Islands(*this);

@@ -32,7 +32,7 @@ struct Axis {
   const JointPose *pose = nullptr, *ahead = nullptr;
   int a = -1, b = -1;
   bool turns = false;
-  bool is_free = false;  // the model gives it no stops, friction or damping
+  bool is_free = false;  // the model gives it no stops, friction, damping or spring
   bool idle = false;     // in this tick: is_free, and its drive gives nothing
 
   // The drive's law (hwparts/joint.h). Without a drive, as `driven` says, the model's dry friction takes its

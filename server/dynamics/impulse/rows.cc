@@ -147,13 +147,15 @@ double Rows::error(const RowBlock& block, std::size_t row) const {
   return row == 0 ? error - block.compliance * block.lambda[0] : error;
 }
 
-// Nothing can move this row. A drive gives what it may against what it misses; a stop gives nothing.
+// Nothing can move this row. A drive gives what it may against what it misses; a stop gives nothing, whatever
+// it has started from.
 double Rows::next_of_rigid(const RowBlock& block, double error) const {
   const double now = block.lambda[0];
   if (block.kind != RowBlock::Kind::kBounded) return now;
   const double least = kRigid * block.free_response;
-  const bool may = least > 0.0 && std::isfinite(block.high - block.low);
-  return std::clamp(may ? now + error / least : now, block.low, block.high);
+  const bool is_law = std::isfinite(block.high - block.low);
+  const double next = is_law ? now + (least > 0.0 ? error / least : 0.0) : 0.0;
+  return std::clamp(next, block.low, block.high);
 }
 
 double Rows::next_normal(const RowBlock& block, double error) const {

@@ -182,6 +182,8 @@ bool Stepper::step_limited(double h, std::span<const Wrench> wrenches, const wor
   for (Touch& touch : plant_.touches)
     if (!touch.asleep && (stays(touch.a) || stays(touch.b)))
       for (std::size_t k = 0; k < kMoments; ++k) touch.impulse[k] = touch.twist[k] = Vector3d::Zero();
+  for (Axis& axis : plant_.acting_axes())
+    if (stays(axis.a) || stays(axis.b)) axis.stopped = {};
   short_bodies_.insert(short_bodies_.end(), stay.begin(), stay.end());
   for (std::size_t i = 0; i < plant_.islands.size(); ++i) by.count_impulses(i);
   count_sleeping();

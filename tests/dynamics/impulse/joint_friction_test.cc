@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "tests/dynamics/lab.h"
@@ -52,6 +53,27 @@ TEST(JointFriction, FiguresGoOnWithTheSameBitsFromARestoredState) {
   straight.run_ticks(100);
   fresh.run_ticks(100);
   EXPECT_EQ(straight.hash(), fresh.hash());
+}
+
+// An arm rests on its stop until a servo, which hardly gives way, lifts it: then the servo carries it. The
+// stop's row, which nothing can move, must not go on giving what it gave before.
+TEST(JointStops, GiveNothingToAnArmThatIsLiftedOff) {
+  testing::ModelBuilder b(physics::engine_row("impulse").setting);
+  const auto arm = b.add_box("arm", {0.5, 0.05, 0.05}, 4.0, testing::at(0.25, 0.0, 1.0));
+  world::Joint& joint =
+      b.add_joint("hinge", world::JointKind::kHinge, {}, arm, {0.0, 0.0, 1.0}, Eigen::Vector3d::UnitY());
+  joint.limited = true;
+  joint.lower = -0.1;
+  joint.upper = 0.1;
+  joint.damping = 0.5;
+  Lab lab(b.model);
+  lab.run_ticks(2000);
+  EXPECT_NEAR(lab.joint("hinge").position, 0.1, 1e-5);
+  for (const double compliance : {1e-13, 1e-11, 0.0}) {
+    lab.drive("hinge") = {-1e-3, compliance, 100.0, 0.0};
+    lab.run_ticks(50);
+    EXPECT_NEAR(lab.joint("hinge").effort, -4.0 * 9.80665 * 0.25 * std::cos(0.1), 0.01) << compliance;
+  }
 }
 
 }  // namespace
