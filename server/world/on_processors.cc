@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <system_error>
+#include <exception>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -15,16 +16,28 @@ void on_processors(std::size_t count, std::size_t most_threads, const std::funct
   const int processors = ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
   const std::size_t wanted = std::min({count, static_cast<std::size_t>(processors), most_threads});
   std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr first;
   const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) act(i);
+    try {
+      for (std::size_t i = next++; i < count; i = next++) act(i);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(mutex);
+      if (!first) first = std::current_exception();
+    }
   };
-  std::vector<std::jthread> threads;
-  try {
-    while (threads.size() + 1 < wanted) threads.emplace_back(work);
-  } catch (const std::system_error&) {
-    // Fewer do as well.
+  {
+    std::vector<std::jthread> threads;
+    try {
+      threads.reserve(wanted);
+      while (threads.size() + 1 < wanted) threads.emplace_back(work);
+    } catch (...) {
+      // No thread or no memory for one: those that run do its work.
+    }
+    work();
   }
-  work();
+  if (first) std::rethrow_exception(first);
 }
 
 }  // namespace visum::world
