@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "server/collision/hull.h"
@@ -53,6 +54,34 @@ std::shared_ptr<const Mesh> PreparedMeshes::mesh(const world::TriangleMesh& mesh
 std::shared_ptr<const Solid> PreparedMeshes::hull(const world::TriangleMesh& mesh) {
   return find_or_make(hulls_, mesh,
                       [&] { return std::make_shared<const Solid>(make_convex(make_hull(mesh.vertices))); });
+}
+
+template <typename Piece>
+std::vector<const world::TriangleMesh*> PreparedMeshes::missing(
+    const Pieces<Piece>& pieces, const std::vector<const world::TriangleMesh*>& wanted) {
+  std::unordered_multimap<std::uint64_t, const world::TriangleMesh*> found;  // by hash
+  std::vector<const world::TriangleMesh*> result;
+  for (const world::TriangleMesh* mesh : wanted) {
+    const std::uint64_t hash = hash_of(*mesh);
+    const auto [first, last] = found.equal_range(hash);
+    if (std::any_of(first, last, [&](const auto& entry) { return is_same(*entry.second, *mesh); })) continue;
+    found.emplace(hash, mesh);
+    const std::lock_guard lock(mutex_);
+    const auto [begin, end] = pieces.equal_range(hash);
+    if (std::none_of(begin, end, [&](const auto& known) { return is_same(known.second.source, *mesh); }))
+      result.push_back(mesh);
+  }
+  return result;
+}
+
+std::vector<const world::TriangleMesh*> PreparedMeshes::without_tree(
+    const std::vector<const world::TriangleMesh*>& wanted) {
+  return missing(meshes_, wanted);
+}
+
+std::vector<const world::TriangleMesh*> PreparedMeshes::without_hull(
+    const std::vector<const world::TriangleMesh*>& wanted) {
+  return missing(hulls_, wanted);
 }
 
 std::size_t PreparedMeshes::count() {

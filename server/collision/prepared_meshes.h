@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "server/collision/convex.h"
 #include "server/collision/gjk.h"
@@ -28,6 +29,9 @@ class PreparedMeshes {
   std::shared_ptr<const Mesh> mesh(const world::TriangleMesh& mesh);
   // Throws std::runtime_error where the vertices span no volume.
   std::shared_ptr<const Solid> hull(const world::TriangleMesh& mesh);
+  // Those of the meshes whose tree or hull is not prepared yet, in their order; equal ones count once.
+  std::vector<const world::TriangleMesh*> without_tree(const std::vector<const world::TriangleMesh*>& wanted);
+  std::vector<const world::TriangleMesh*> without_hull(const std::vector<const world::TriangleMesh*>& wanted);
   std::size_t count();  // of what is prepared
   // Lets go of what nobody else has, such as the meshes of bodies that went.
   void forget_unused();
@@ -44,6 +48,9 @@ class PreparedMeshes {
   template <typename Piece, typename Make>
   std::shared_ptr<const Piece> find_or_make(Pieces<Piece>& pieces, const world::TriangleMesh& mesh,
                                             Make make);
+  template <typename Piece>
+  std::vector<const world::TriangleMesh*> missing(const Pieces<Piece>& pieces,
+                                                  const std::vector<const world::TriangleMesh*>& wanted);
 
   std::mutex mutex_;
   Pieces<Mesh> meshes_;

@@ -2,7 +2,7 @@
 
 #include <set>
 #include <stdexcept>
-#include <utility>
+#include <vector>
 
 #include "server/world/on_processors.h"
 
@@ -76,21 +76,29 @@ PreparedShape prepare(const world::WorldModel& model, world::ShapeId id, Prepare
   return prepared;
 }
 
+// The meshes of the shapes of a kind that collide, each once.
+std::vector<const world::TriangleMesh*> meshes_of(const world::WorldModel& model, world::ShapeKind kind) {
+  std::set<world::MeshId> ids;
+  for (const world::Shape& shape : model.shapes)
+    if (shape.collides && shape.kind == kind && shape.mesh.valid()) ids.insert(shape.mesh);
+  std::vector<const world::TriangleMesh*> meshes;
+  for (const world::MeshId id : ids) meshes.push_back(&model.meshes[id.index()]);
+  return meshes;
+}
+
 // Prepares hulls and trees on several threads, where there are many new ones. Their faults come again where
 // the shape is prepared.
 void prepare_meshes(const world::WorldModel& model, PreparedMeshes& meshes) {
-  std::set<std::pair<world::ShapeKind, world::MeshId>> wanted;
-  for (const world::Shape& shape : model.shapes)
-    if (shape.collides && shape.mesh.valid()) wanted.emplace(shape.kind, shape.mesh);
-  if (wanted.size() < meshes.count() + kManyMeshes) return;
-  const std::vector<std::pair<world::ShapeKind, world::MeshId>> list(wanted.begin(), wanted.end());
-  world::on_processors(list.size(), kMostThreads, [&](std::size_t i) {
+  const auto hulls = meshes.without_hull(meshes_of(model, world::ShapeKind::kConvex));
+  const auto trees = meshes.without_tree(meshes_of(model, world::ShapeKind::kMesh));
+  const std::size_t count = hulls.size() + trees.size();
+  if (count < kManyMeshes) return;
+  world::on_processors(count, kMostThreads, [&](std::size_t i) {
     try {
-      const world::TriangleMesh& mesh = model.meshes[list[i].second.index()];
-      if (list[i].first == world::ShapeKind::kMesh)
-        meshes.mesh(mesh);
+      if (i < hulls.size())
+        meshes.hull(*hulls[i]);
       else
-        meshes.hull(mesh);
+        meshes.mesh(*trees[i - hulls.size()]);
     } catch (const std::exception&) {
       // It comes again.
     }

@@ -1,10 +1,14 @@
 // The stage as a whole: order, purity, pairs that never collide, surfaces, caps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <set>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "server/collision/shapes.h"
 #include "tests/collision/scene.h"
@@ -256,6 +260,36 @@ TEST(CollisionStage, StagesOfOneWorldShareMeshesAndHulls) {
   EXPECT_TRUE(hull.expired());
 }
 
+void expect_same(const Polytope& a, const Polytope& b) {
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.corners, b.corners);
+  EXPECT_EQ(a.normals, b.normals);
+  EXPECT_EQ(a.edges, b.edges);
+  EXPECT_EQ(a.faces_of, b.faces_of);
+  EXPECT_TRUE(std::ranges::equal(a.faces, b.faces, [](const auto& x, const auto& y) {
+    return x.normal == y.normal && x.first == y.first && x.count == y.count;
+  }));
+}
+
+// With the order in which the trees are visited.
+void expect_same(const Mesh& a, const Mesh& b) {
+  EXPECT_TRUE(std::ranges::equal(a.triangles(), b.triangles(), [](const auto& x, const auto& y) {
+    return x.corners == y.corners && x.normal == y.normal && x.across == y.across;
+  }));
+  const auto visited = [](const Mesh& mesh) {
+    std::vector<std::uint32_t> order;
+    std::vector<Eigen::Vector3d> boxes;
+    mesh.visit(
+        [&](const Eigen::AlignedBox3d& box) {
+          boxes.insert(boxes.end(), {box.min(), box.max()});
+          return box.min().x() < 0.01;
+        },
+        [&](std::uint32_t i) { order.push_back(i); });
+    return std::pair(order, boxes);
+  };
+  EXPECT_EQ(visited(a), visited(b));
+}
+
 TEST(CollisionStage, ManyMeshesArePreparedAsOneAfterTheOther) {
   SceneBuilder scene;
   for (int i = 1; i <= 20; ++i) scene.add({i % 2 ? kConvex : kMesh, {1, 1, 0.1 * i}}, at(5 * i, 0, 0));
@@ -271,10 +305,25 @@ TEST(CollisionStage, ManyMeshesArePreparedAsOneAfterTheOther) {
     const PreparedShape one = prepare_shapes(alone.model, own)[0];
     EXPECT_EQ(one.box_S.min(), shape.box_S.min());
     EXPECT_EQ(one.box_S.max(), shape.box_S.max());
-    if (shape.kind == kConvex) {
-      EXPECT_EQ(one.solid->convex.polytope.corners, shape.solid->convex.polytope.corners);
-    }
+    if (shape.kind == kConvex) expect_same(one.solid->convex.polytope, shape.solid->convex.polytope);
+    if (shape.kind == kMesh) expect_same(*one.mesh, *shape.mesh);
   }
+}
+
+TEST(CollisionStage, WhatIsPreparedOrEqualIsNotPreparedAgain) {
+  SceneBuilder scene;
+  for (int i = 0; i < 40; ++i) scene.add({kConvex, {1, 0.7, 0.5}}, at(5 * i, 0, 0));
+  scene.add({kConvex, {1, 1, 1}}, at(0, 5, 0));
+  std::vector<const world::TriangleMesh*> wanted;
+  for (const world::TriangleMesh& mesh : scene.model.meshes) wanted.push_back(&mesh);
+  ASSERT_EQ(wanted.size(), 41u);
+  PreparedMeshes meshes;
+  EXPECT_EQ(meshes.without_hull(wanted), (std::vector{wanted[0], wanted[40]}));
+  meshes.hull(*wanted[7]);
+  EXPECT_EQ(meshes.without_hull(wanted), (std::vector{wanted[40]}));
+  EXPECT_EQ(meshes.without_tree(wanted), (std::vector{wanted[0], wanted[40]})) << "a hull is no tree";
+  prepare_shapes(scene.model, meshes);
+  EXPECT_EQ(meshes.count(), 2u);
 }
 
 TEST(CollisionStage, AHullWithoutVolumeIsRefusedEachTime) {
