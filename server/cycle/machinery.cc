@@ -30,7 +30,7 @@ std::unique_ptr<dynamics::Engine> make_engine_of(const scene::Scene& scene, std:
 }
 
 // An engine that does not exist, or that cannot hold what the scene gives it, is reported at the place where
-// the scene names the engine.
+// the scene, or the option --engine, names the engine.
 std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::size_t number) {
   try {
     return make_engine_of(scene, number);
@@ -38,7 +38,7 @@ std::unique_ptr<dynamics::Engine> make_engine(const scene::Scene& scene, std::si
     if (scene.plugged_engines.contains(number) || scene.engine_places.empty()) throw;
     throw config::ConfigError(scene.engine_places.at(number), error.message());
   } catch (const std::runtime_error& error) {
-    if (scene.engine_places.empty()) throw;
+    if (scene.engine_places.empty()) throw std::runtime_error(std::string("--engine: ") + error.what());
     throw config::ConfigError(scene.engine_places.at(number), error.what());
   }
 }
