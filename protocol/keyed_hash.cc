@@ -2,6 +2,7 @@
 
 #include <nettle/hmac.h>
 #include <nettle/memops.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +23,7 @@ KeyedHash keyed_hash(std::span<const std::byte> key, std::span<const std::byte> 
   hmac_sha256_update(&context, message.size(), octets(message));
   KeyedHash hash;
   hmac_sha256_digest(&context, hash.size(), reinterpret_cast<std::uint8_t*>(hash.data()));
+  ::explicit_bzero(&context, sizeof context);  // it tells the key
   return hash;
 }
 

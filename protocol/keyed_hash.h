@@ -1,5 +1,5 @@
 // HMAC-SHA256, and bytes that nobody can guess. Nettle stays inside keyed_hash.cc: a small library that every
-// program can load at its start, so that an emergency stop never waits for OpenSSL. Any thread.
+// program is linked to, so that an emergency stop never waits for OpenSSL to be loaded. Any thread.
 #pragma once
 
 #include <array>
