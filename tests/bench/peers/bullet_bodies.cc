@@ -80,7 +80,8 @@ class BulletBodies : public Stepper {
     world_.setGravity(bt(model.gravity));
     gather();
     for (const Group& group : groups_) add(group);
-    reset();
+    place_at_start();
+    for (const auto& body : bodies_) enter(*body);
     for (const auto& joint : model_.joints) add(joint);
     for (const auto& [a, b] : model_.no_collision) {
       rigid(a).setIgnoreCollisionCheck(&rigid(b), true);
@@ -94,14 +95,12 @@ class BulletBodies : public Stepper {
   BulletBodies(const BulletBodies&) = delete;
   BulletBodies& operator=(const BulletBodies&) = delete;
 
+  // Takes the bodies out and in again, so that no contact and no pair of the run before remains.
   void reset() override {
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-      const Pose& X_WG = groups_[i].X_WG;
-      const auto& motion = start_.bodies[groups_[i].root];
-      bodies_[i]->setWorldTransform(btTransform(bt(X_WG.q), bt(X_WG.p)));
-      bodies_[i]->setLinearVelocity(bt(Vector3d(motion.v_WC + motion.w_WB.cross(X_WG.p - motion.p_WC))));
-      bodies_[i]->setAngularVelocity(bt(motion.w_WB));
-    }
+    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    broadphase_.resetPool(&dispatcher_);
+    place_at_start();
+    for (const auto& body : bodies_) enter(*body);
     solver_.reset();
   }
   void step() override { world_.stepSimulation(tick_s_, 0); }
@@ -132,9 +131,29 @@ class BulletBodies : public Stepper {
     for (Group& group : groups_) weigh(model_, group);
   }
 
+  void place_at_start() {
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const Pose& X_WG = groups_[i].X_WG;
+      const auto& motion = start_.bodies[groups_[i].root];
+      bodies_[i]->setLinearVelocity(bt(Vector3d(motion.v_WC + motion.w_WB.cross(X_WG.p - motion.p_WC))));
+      bodies_[i]->setAngularVelocity(bt(motion.w_WB));
+      bodies_[i]->clearForces();
+      // Unlike setWorldTransform(), this turns the inertia, too.
+      bodies_[i]->setCenterOfMassTransform(btTransform(bt(X_WG.q), bt(X_WG.p)));
+    }
+  }
+
+  // A body without a shape meets no other.
+  void enter(btRigidBody& body) {
+    if (body.getCollisionShape()->getShapeType() == EMPTY_SHAPE_PROXYTYPE)
+      world_.addRigidBody(&body, 0, 0);
+    else
+      world_.addRigidBody(&body);
+  }
+
   btRigidBody& rigid(world::BodyId id) { return *bodies_[group_of_[id.index()]]; }
 
-  // The friction of a pair is the product of both bodies'. A body without a shape meets no other.
+  // The friction of a pair is the product of both bodies'.
   void add(const Group& group) {
     btCollisionShape* whole = nullptr;
     double friction = 0.0;
@@ -143,16 +162,11 @@ class BulletBodies : public Stepper {
       whole = with(whole, group.X_WG.inverse() * model_.bodies[shape.body.index()].X_WB * shape.X_BS, shape);
       friction = model_.surfaces[shape.surface.index()].friction;
     }
-    const bool is_bare = whole == nullptr;
-    if (is_bare) whole = keep(std::make_unique<btEmptyShape>());
+    if (!whole) whole = keep(std::make_unique<btEmptyShape>());
     const btRigidBody::btRigidBodyConstructionInfo facts(group.mass_kg, nullptr, whole, bt(group.inertia));
     bodies_.push_back(std::make_unique<btRigidBody>(facts));
     bodies_.back()->setFriction(std::sqrt(friction));
     bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
-    if (is_bare)
-      world_.addRigidBody(bodies_.back().get(), 0, 0);
-    else
-      world_.addRigidBody(bodies_.back().get());
   }
 
   template <typename Shape>
