@@ -12,7 +12,7 @@ constexpr std::size_t kMany = 64;      // contacts of free bodies, whose answer 
 constexpr double kMostGain = 0.02;     // share of the kinetic energy: rounding gains less than this
 constexpr double kStuck = 1e-5;        // m/s, rad/s: a row that nothing can move misses no more than this
 constexpr double kSticksFirmly = 0.5;  // share of dry friction: what gave less in the last tick sticks on
-constexpr double kStandsStill = 1e-4;        // rad/s, m/s
+constexpr double kStandsStill = 1e-4;  // rad/s, m/s
 constexpr int kFreeChanges = 2;        // repetitions before a law that still changes becomes a row
 
 }  // namespace
@@ -166,7 +166,8 @@ void IslandStepper::take_friction_as_rows() {
   if (plan_.iterates || plant_.islands.touches(island_).empty()) return;
   plant_.for_axes(island_, [&](Axis& axis) {
     if (!axis.acts || axis.driven) return;
-    const bool sticks = std::abs(axis.rate) <= kStandsStill && std::abs(axis.expected) < kSticksFirmly * axis.most;
+    const bool sticks =
+        std::abs(axis.rate) <= kStandsStill && std::abs(axis.expected) < kSticksFirmly * axis.most;
     if (sticks && !is_within_reach(axis, plan_.h)) return;
     axis.boxed = true;
     axis.at_limit = 0;
