@@ -49,7 +49,7 @@ class ClientInbox {
   // Where it stands in expected_; its end: it is not expected.
   Place find(std::uint64_t id);
 
-  // By id. A client that sends hundreds of requests ahead takes the replies in their order, from the front.
+  // By id. A client that sends many requests ahead takes the replies in their order, from the front.
   std::deque<Expected> expected_;
   std::deque<Reply> kept_;
   std::size_t kept_events_ = 0;

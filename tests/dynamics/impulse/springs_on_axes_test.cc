@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "tests/dynamics/lab.h"
 #include "tests/dynamics/physics/engine_rows.h"
@@ -170,7 +173,7 @@ TEST(SpringsOnAxes, CountWholeTurns) {
 
 struct Passing {
   double rest, speed;  // m, m/s
-  double energy;       // J, that the start of a step may be off
+  double energy;       // J, by which it may change at most
 };
 
 // A block on a rail whose spring it passes by both ways. Returns the largest change of its energy, J, and how
@@ -205,8 +208,8 @@ std::pair<double, int> pass_through_no_length(double rest, double speed) {
   return {changed, passed};
 }
 
-// The force of a spring with a length of its own turns around there, within a tick: v h k rest is at stake,
-// each time anew in either direction.
+// The force of a spring with a length of its own turns around there, within a tick: up to v h k rest is won
+// or lost each time, which must not add up.
 TEST(SpringsOnAxes, KeepTheirEnergyThroughNoLength) {
   for (const auto& [rest, speed, most] :
        {Passing{0.0, 0.0, 1e-4}, Passing{0.1, -3.0, 0.05}, Passing{0.5, -6.0, 0.5}}) {
