@@ -120,9 +120,9 @@ const JointSpec* IslandStepper::worst_joint(std::size_t m) const {
   return plan_.iterates ? corrector().worst_joint() : plant_.mechanisms[m].worst_joint();
 }
 
-bool IslandStepper::is_too_taut() const {
+bool IslandStepper::is_too_taut() {
   return std::ranges::any_of(mechanisms(), [&](std::size_t m) {
-    const Mechanism& mechanism = plant_.mechanisms[m];
+    Mechanism& mechanism = plant_.mechanisms[m];
     return mechanism.notes() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(plan_.h);
   });
 }

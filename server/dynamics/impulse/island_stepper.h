@@ -129,7 +129,7 @@ class IslandStepper {
   // Largest gap that is allowed, along each axis of W: m, rad.
   double d_max(std::size_t mechanism) const { return plan_.bounds.d_max_by_mechanism[mechanism]; }
   // True if a link would swing too far in this step under the tension of its joint (predicting.cc).
-  bool is_too_taut() const;
+  bool is_too_taut();
   bool find_impulses();
   // Sets everything back to where the look-ahead starts, and brings poses and factors up to date.
   void begin_ahead(bool again);
