@@ -15,6 +15,8 @@ constexpr double kUntouched = 0.17;   // share of d_max: a smaller gap after the
 constexpr double kFar = 1e-3;         // m, rad: beyond such a gap the prediction is of no use
 constexpr double kApart = 3e-5;       // m, rad: a joint farther apart is broken, if shorter steps do not help
 constexpr int kGentlePasses = 5;      // passes in which contacts take part
+constexpr double kNearer = 0.9;       // a pass that leaves more than this share of the best one is no nearer
+constexpr int kMostFutile = 8;        // passes that come no nearer
 constexpr double kRounding = 2.0;     // share of d_max: a gap of rounding, which is let be
 constexpr double kStandstill = 1e-9;  // m, rad: a smaller gap that no longer shrinks is rounding
 
@@ -240,8 +242,9 @@ bool IslandStepper::follow_rows() {
 // pass is not needed where joints and rows have been answered and the answers' own rest, of second order, is
 // next to nothing: the look-ahead has then followed them.
 IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
-  double largest = 0.0, moved = 0.0;
+  double largest = 0.0, moved = 0.0, nearest = std::numeric_limits<double>::infinity();
   bool closed = false;
+  int nearest_at = 0;
   // The lengths of springs are known of a flight only, but for those on axes.
   const bool may_follow = !gently && !plan_.iterates && !plant_.has_loose_springs(island_);
   for (int pass = 0; pass < plan_.bounds.most_passes; ++pass) {
@@ -258,6 +261,12 @@ IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
     if (fate_->followed && bounded_.is_solved()) return Closed::kYes;
     if (closed && fate_->inexact) return Closed::kNearly;
     if (closed && (gently || moved <= plan_.bounds.d_max)) return Closed::kYes;
+    // Answers that take turns come no nearer.
+    if (const double missing = std::max(largest, moved); missing < kNearer * nearest) {
+      nearest = missing;
+      nearest_at = pass;
+    }
+    if (!plan_.iterates && !gently && pass - nearest_at >= kMostFutile) break;
   }
   // The passes are used up: what is near enough goes on, unless shorter steps may do better.
   const double most = plan_.divisible ? 0.0 : kApart;
