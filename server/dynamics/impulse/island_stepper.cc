@@ -235,13 +235,10 @@ void IslandStepper::hit() {
   plant_.for_axes(island_, [&](Axis& axis) { axis.rate = plant_.rate(axis); });
 }
 
-// True if anything but gravity may do work: drives, springs, wrenches, bodies of other engines.
+// True if anything but gravity and drives may do work: springs, wrenches, bodies of other engines.
 bool IslandStepper::is_worked_on() {
   const Islands& islands = plant_.islands;
   return !islands.wrenches(island_).empty() || !islands.springs(island_).empty() ||
-         std::ranges::any_of(
-             mechanisms(),
-             [&](std::size_t m) { return plant_.first_acting[m] < plant_.first_acting[m + 1]; }) ||
          std::ranges::any_of(islands.touches(island_),
                              [&](std::size_t i) { return !plant_.touches[i].foreign.isZero(0.0); });
 }
@@ -266,14 +263,32 @@ IslandStepper::Energy IslandStepper::energy() const {
   return energy;
 }
 
+// An upper bound, J: what each drive gives, times the fastest motion along it. A law that asks for rest, as
+// friction does, gives nothing.
+double IslandStepper::given_by_drives() const {
+  double given = 0.0;
+  plant_.for_axes(island_, [&](const Axis& axis) {
+    const double law = axis.target == 0.0 ? 0.0
+                                          : std::abs(axis.law[kHit]) + std::abs(axis.law[kAhead]) +
+                                                std::abs(axis.law[kAfter]);
+    const double fastest =
+        std::max({std::abs(axis.rate), std::abs(axis.mean_rate), std::abs(plant_.rate(axis))});
+    given += (law + std::abs(plan_.h * axis.feedforward)) * fastest;
+  });
+  return given;
+}
+
 // A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
 // overlapping bodies apart takes. Then all motion of the island is slowed down alike, which joints allow.
 // Free bodies are watched after an inexact answer only.
 void IslandStepper::give_back_energy() {
   if (!fate_->watched || (mechanisms().empty() && !fate_->inexact)) return;
   const Energy now = energy();
-  const double gained = now.kinetic + now.potential - fate_->energy_before;
-  if (!(gained > kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight)) return;
+  double gained = now.kinetic + now.potential - fate_->energy_before;
+  const double most = kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight;
+  if (!(gained > most)) return;
+  gained -= given_by_drives();
+  if (!(gained > most)) return;
   // Takes the gain out of the kinetic energy.
   const double share = std::sqrt(std::max(0.0, 1.0 - gained / now.kinetic));
   for (const std::size_t i : bodies()) {

@@ -36,8 +36,8 @@ struct IslandFate {
   bool inexact = false;   // the answer of the look-ahead or at t+h is (Bounded::is_inexact)
   bool held = false;      // of a limited step: its joints do not close, so that it stays where it was
   Course course;
-  // Where nothing but gravity does work on joints with rows, or on many contacts: the energy before the
-  // look-ahead, J.
+  // Where nothing but gravity and drives does work on joints with rows, or on many contacts: the energy
+  // before the look-ahead, J.
   bool watched = false;
   double energy_before = 0.0;
 };
@@ -191,6 +191,7 @@ class IslandStepper {
     double weight = 0.0;                    // N, of all bodies
   };
   Energy energy() const;
+  double given_by_drives() const;
   // Slows the bodies down if the step has gained energy.
   void give_back_energy();
   // Makes the joints' velocities of a mechanism agree at t+h. `first`: with the drives' known impulses.
