@@ -141,6 +141,11 @@ class Bounded {
   void aim_spring(RowBlock& block, const Spring& spring) const;
   // Loads velocities, solves the rows as they are aimed, stores velocities. Returns the largest miss before.
   double solve_rows();
+  // Returns true, ready to be solved again, where contacts press so hard that they are wedged
+  // (bounded_wedges.cc).
+  bool lets_wedges_yield();
+  // The largest velocity, m/s, that a row of a contact would miss if no row gave an impulse.
+  double largest_need();
   // Second half of a collision by Poisson's law.
   void restore_by_poisson();
   // Cuts the bounces of a collision by Newton's law down until no contact gains energy.
@@ -165,6 +170,7 @@ class Bounded {
   std::vector<RowBlock> blocks_;
   std::vector<Owner> owners_;       // by block
   std::vector<double> velocities_;  // of the bodies without joints, then of the mechanisms' rows
+  std::vector<double> unpushed_;    // likewise, without the rows' impulses
   std::vector<FreeBody> bodies_;
   std::vector<double> responses_;              // W of one mechanism after the other
   std::vector<MechanismRows> of_mechanism_;    // in the island's order

@@ -172,7 +172,7 @@ void Bounded::add_touch(std::size_t index) {
   RowBlock& block = add_block({Of::kTouch, index}, 3);
   block.kind = RowBlock::Kind::kContact;
   // Contacts yield a little, except in a hit, which must bounce exactly. The start is the last impulse.
-  block.gives = moment_ != kHit;
+  block.give = moment_ != kHit ? kGive : 0.0;
   if (moment_ == kAfter) block.rest = touch.impulse[kAhead][0];
   for (int i = 0; i < 3; ++i) block.lambda[static_cast<std::size_t>(i)] = touch.impulse[moment_][i];
   for (const int body : {touch.a, touch.b})

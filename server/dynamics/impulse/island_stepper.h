@@ -183,7 +183,8 @@ class IslandStepper {
   // One pass over the joints of the mechanisms with rows. Returns the largest gap, and notes whose it is;
   // `closed`: all are within their bounds.
   double close_joints(int pass, bool& closed);
-  // Notes the energy before the look-ahead, where rows act on joints and nothing but gravity does work.
+  // Notes the energy before the look-ahead, where rows act on joints and gravity and drives alone do
+  // work.
   void note_energy();
   bool is_worked_on();
   struct Energy {

@@ -14,6 +14,9 @@ namespace visum::dynamics::impulse {
 // fast: nothing can move it, and the impulse of a contact or a stop is not defined there.
 inline constexpr double kRigid = 1e-9;
 
+// Share of its response by which a contact's normal yields.
+inline constexpr double kGive = 1e-5;
+
 // The directions of a block's rows on one body, angular before linear.
 using Reach = std::array<std::array<double, 6>, 3>;
 
@@ -58,7 +61,8 @@ struct RowBlock {
   std::array<double, 3> lambda{};   // before solve(): where to start; after it: the solution
   std::array<double, 3> applied{};  // the part of lambda that the velocities already contain
 
-  bool gives = false;  // contact: its normal yields a little (rows.cc), around the impulse `rest`
+  // Contact: the share of K by which its normal yields (rows.cc), around the impulse `rest`; 0: it does not.
+  double give = 0.0;
   double rest = 0.0;
 
   // The response that others are compared with. Contact, twist: of the bodies, as if they had no joints.

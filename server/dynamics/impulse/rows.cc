@@ -31,7 +31,6 @@ namespace {
 // of contacts of free bodies alone. Where rows repeat each other the softness alone holds their impulses:
 // steps from bound to bound and Newton's method cycle if it is small. More softness takes more points.
 constexpr double kSoftness = 1e-6, kJointedSoftness = 3e-5, kFreeSoftness = 1e-4;
-constexpr double kGive = 1e-5;  // the same, for a contact's normal that yields
 // Where a point is not found: the softness grows by one factor, and comes back by the other.
 constexpr double kMostSoftness = 1.0, kSofter = 100.0, kFirmer = 0.1;
 constexpr int kMostSoftenings = 10;  // in one solution
@@ -98,7 +97,7 @@ void Rows::hold_softly(double share) {
       block.softness[0] = (kSoftness + beyond) * block.K[0];
       continue;
     }
-    block.softness[0] = (block.gives ? kGive + beyond : share) * block.K[0];
+    block.softness[0] = (block.give > 0.0 ? block.give + beyond : share) * block.K[0];
     block.softness[1] = block.softness[2] =
         0.5 * share * (block.K[1] + block.K[2]) + kRigid * block.free_response;
     invert_tangents(block);
@@ -276,10 +275,11 @@ void Rows::move_centres(double beyond) {
   has_settings_ = false;
   for (RowBlock& block : blocks_) {
     block.centre = block.lambda;
-    if (!block.gives) continue;
-    block.centre[0] = beyond == 0.0
-                          ? block.rest
-                          : block.lambda[0] + kGive / (kGive + beyond) * (block.rest - block.lambda[0]);
+    if (block.give == 0.0) continue;
+    if (beyond == 0.0)
+      block.centre[0] = block.rest;
+    else
+      block.centre[0] += block.give / (block.give + beyond) * (block.rest - block.lambda[0]);
   }
 }
 
@@ -339,7 +339,7 @@ double Rows::left_by_softness() const {
   for (const RowBlock& block : blocks_)
     for (std::size_t i = 0; i < block.dim; ++i) {
       double pull = block.softness[i] * (block.lambda[i] - block.centre[i]);
-      if (i == 0 && block.gives) pull -= kGive * block.K[0] * (block.lambda[0] - block.rest);
+      if (i == 0) pull -= block.give * block.K[0] * (block.lambda[0] - block.rest);
       left = std::max(left, std::abs(pull));
     }
   return left;

@@ -71,6 +71,8 @@ class Rows {
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
   void soften(double share);
+  // The blocks' `give` has changed.
+  void note_gives() { hold_softly(least_softness()); }
   // A few sweeps only. Impulses that push against each other stay small, even if the rows are far from their
   // targets.
   double sweep_gently(int sweeps);

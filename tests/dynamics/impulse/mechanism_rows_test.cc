@@ -88,7 +88,7 @@ class Grasp {
     block.dim = 3;
     block.end_count = 2;
     block.friction = kGrip;
-    block.gives = true;
+    block.give = kGive;
     block.free_response = 15.0;
     RowEnd &box = block.ends[0], &hand = block.ends[1];
     box.free = true;
@@ -209,7 +209,7 @@ class Vehicles {
     block.dim = 3;
     block.end_count = 1;
     block.friction = 0.9;
-    block.gives = true;
+    block.give = kGive;
     block.free_response = 1.0;
     RowEnd& end = block.ends[0];
     end.free = false;

@@ -88,7 +88,7 @@ class RandomIsland {
     const bool alone = a == b || below(3) == 0;
     RowBlock block = block_of(RowBlock::Kind::kContact, 3);
     block.friction = below(5) == 0 ? 0.0 : 0.65 + 0.35 * any();
-    block.gives = below(2) == 0;
+    block.give = below(2) == 0 ? kGive : 0.0;
     block.lambda[0] = 0.005 + 0.005 * any();
     if (below(2) == 0) {
       const double angle = 3.0 * any(), held = block.friction * block.lambda[0];

@@ -78,7 +78,7 @@ void touch(OwnIsland& own, const Rows& rows, double friction, std::vector<std::s
     block.end_count = bodies.size();
     block.friction = friction;
     block.free_response = static_cast<double>(bodies.size());
-    block.gives = true;
+    block.give = kGive;
     const Vector3d corner = (k % 2 == 0 ? kHalf : -kHalf) * aside + (k < 2 ? kHalf : -kHalf) * along;
     for (std::size_t e = 0; e < bodies.size(); ++e) {
       block.ends[e].offset = 6 * bodies[e];
@@ -104,7 +104,7 @@ void add_cube(OwnIsland& own, const Rows& rows, int corners, double friction, st
     block.end_count = 1;
     block.friction = friction;
     block.free_response = 1.0;
-    block.gives = true;
+    block.give = kGive;
     block.ends[0].offset = offset;
     const Vector3d lever(k % 2 == 0 ? kHalf : -kHalf, k < 2 ? kHalf : -kHalf, -kHalf);
     rows.respond_at_point(block, block.ends[0], frame.data(), lever.data(), 1.0, inverse.data(), 1.0);

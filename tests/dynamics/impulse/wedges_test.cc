@@ -1,0 +1,139 @@
+// Links of one arm that hold each other by their shapes: no motion that the joints allow opens all of their
+// contacts, and friction holds some of them shut.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/engine_rows.h"
+#include "tests/dynamics/physics/measures.h"
+
+namespace visum::dynamics::impulse {
+namespace {
+
+using Eigen::Vector3d;
+using testing::at;
+using testing::BodyId;
+using testing::Lab;
+using testing::ModelBuilder;
+using world::JointKind;
+
+// Numbers between -1 and 1, the same on every machine.
+class Numbers {
+ public:
+  explicit Numbers(std::uint32_t seed) : state_(12345u + 7919u * seed) {}
+  double next() {
+    state_ = state_ * 1664525u + 1013904223u;
+    return (state_ >> 8) / 8388608.0 - 1.0;
+  }
+  Vector3d direction() {
+    Vector3d found = Vector3d::Zero();
+    while (found.norm() < 0.2) {
+      found.x() = next();
+      found.y() = next();
+      found.z() = next();
+    }
+    return found.normalized();
+  }
+
+ private:
+  std::uint32_t state_;
+};
+
+// A hanging arm of six links, its joints as those of a common robot, with stops at two turns. Its links are
+// rough stones that nearly touch, so that it falls into itself. `number` tells one set of stones from others.
+world::WorldModel rough_arm(std::uint32_t number) {
+  ModelBuilder b(physics::engine_row("impulse").setting);
+  b.model.tick_ns = 1'000'000;
+  b.add_surface(0.8, 0.0);
+  Numbers numbers(number);
+  const auto stone = [&](const std::string& name, const Vector3d& size, double mass_kg, const Vector3d& p) {
+    std::vector<Vector3d> points;
+    for (int i = 0; i < 24; ++i) points.push_back(size.cwiseProduct(numbers.direction()));
+    return b.add_hull(name, points, mass_kg, at(p.x(), p.y(), p.z()));
+  };
+  const BodyId base = stone("base", {0.075, 0.075, 0.06}, 4.0, {0.0, 0.0, -0.04});
+  b.add_joint("foot", JointKind::kFixed, {}, base, {0.0, 0.0, -0.04}, Vector3d::UnitZ());
+  const BodyId shoulder = b.add_rotor("shoulder", 2.0, 0.01, at(0.0, 0.0, 0.02));
+  const BodyId upper = stone("upper", {0.16, 0.05, 0.06}, 3.4, {0.12, 0.10, 0.03});
+  const BodyId lower = stone("lower", {0.14, 0.045, 0.045}, 1.3, {0.36, 0.02, 0.03});
+  const BodyId wrist = stone("wrist", {0.05, 0.06, 0.05}, 1.0, {0.48, 0.09, 0.03});
+  const BodyId tool = stone("tool", {0.05, 0.05, 0.06}, 1.0, {0.48, 0.09, -0.05});
+  const auto hinge = [&](const std::string& name, BodyId parent, BodyId child, const Vector3d& anchor,
+                         const Vector3d& axis) {
+    world::Joint& joint = b.add_joint(name, JointKind::kHinge, parent, child, anchor, axis);
+    joint.limited = true;
+    joint.lower = -6.28;
+    joint.upper = 6.28;
+  };
+  hinge("pan", {}, shoulder, Vector3d::Zero(), Vector3d::UnitZ());
+  hinge("lift", shoulder, upper, {0.0, 0.06, 0.03}, Vector3d::UnitY());
+  hinge("elbow", upper, lower, {0.24, 0.06, 0.03}, Vector3d::UnitY());
+  hinge("bend", lower, wrist, {0.47, 0.05, 0.03}, Vector3d::UnitY());
+  hinge("turn", wrist, tool, {0.48, 0.09, 0.0}, Vector3d::UnitZ());
+  return b.model;
+}
+
+struct Course {
+  double most_gain_j = 0.0, most_force_n = 0.0;
+  int warned_ticks = 0;
+};
+
+// Three seconds of falling and swinging.
+Course let_fall(std::uint32_t number) {
+  Lab lab(rough_arm(number));
+  Course course;
+  double before = physics::energy_of(lab.model, lab.state);
+  for (int tick = 0; tick < 3000; ++tick) {
+    lab.run_ticks(1);
+    const double now = physics::energy_of(lab.model, lab.state);
+    course.most_gain_j = std::max(course.most_gain_j, now - before);
+    before = now;
+    for (const collision::Contact& contact : lab.contacts)
+      course.most_force_n = std::max(course.most_force_n, contact.normal_force_n);
+  }
+  course.warned_ticks = lab.warned_ticks;
+  return course;
+}
+
+// Contacts that wedged these pressed with up to 4e12 N once, and up to 2790 of the ticks fell short.
+TEST(Wedges, DoNotPressWithoutLimit) {
+  for (const std::uint32_t number : {20u, 34u, 119u, 131u, 139u, 191u, 220u, 238u, 244u}) {
+    const Course course = let_fall(number);
+    EXPECT_LT(course.most_force_n, 1e8) << number;
+    EXPECT_LT(course.warned_ticks, 60) << number;
+  }
+}
+
+// These gained between 4 and 52 kJ in one tick once. The whole arm swings with some 20 J.
+TEST(Wedges, GainNoEnergy) {
+  for (const std::uint32_t number : {15u, 44u, 155u, 177u, 196u, 199u, 243u, 250u, 253u, 278u, 298u})
+    EXPECT_LT(let_fall(number).most_gain_j, 0.6) << number;
+}
+
+// A finger of 0.2 kg on a rail, between two walls that are 0.2 mm too near to each other. They cannot be
+// parted, and must not press as if they could.
+TEST(Wedges, ASlotThatIsTooNarrowPressesAsAStiffSpring) {
+  constexpr double kTooDeep = 1e-4;
+  ModelBuilder b(physics::engine_row("impulse").setting);
+  b.model.tick_ns = 1'000'000;
+  b.add_surface(0.5, 0.0);
+  const BodyId finger = b.add_box("finger", {0.1, 0.02, 0.02}, 0.2, at(0.0, 0.0, 0.0));
+  for (const double side : {-1.0, 1.0})
+    b.add_fixed_box(side < 0.0 ? "left" : "right", {0.3, 0.1, 0.3}, at(0.0, side * (0.06 - kTooDeep), 0.0));
+  b.add_joint("rail", JointKind::kSlider, {}, finger, Vector3d::Zero(), Vector3d::UnitY());
+  Lab lab(b.model);
+  lab.run(0.5);
+  for (const char* wall : {"left", "right"}) {
+    EXPECT_GT(lab.normal_force_between("finger", wall), 10.0);
+    EXPECT_LT(lab.normal_force_between("finger", wall), 1e5);
+  }
+  EXPECT_LT(lab.body("finger").p_WC.norm(), 1e-6);
+  EXPECT_LT(lab.kinetic_energy(), 1e-12);
+}
+
+}  // namespace
+}  // namespace visum::dynamics::impulse
