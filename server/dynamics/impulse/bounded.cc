@@ -297,7 +297,6 @@ double Bounded::solve_rows() {
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
                                        : rows_.solve(kMostSweeps, kEnough, share, rest());
-    if (lets_wedges_yield()) missed = std::max(missed, rows_.solve(kMostSweeps, kEnough, share, rest()));
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;

@@ -58,6 +58,9 @@ class Bounded {
   void find_short(double enough, std::vector<std::size_t>& found);
   // Writes the rows' impulses to the touches, axes and springs.
   void report();
+  // Marks contacts that press so hard that they must be wedged (bounded_wedges.cc). Returns true if there are
+  // new ones: all is to be solved again then.
+  bool mark_wedges();
   // Solves a collision, after build(kHit), by Newton's law of restitution or by Poisson's.
   void bounce();
 
@@ -141,10 +144,9 @@ class Bounded {
   void aim_spring(RowBlock& block, const Spring& spring) const;
   // Loads velocities, solves the rows as they are aimed, stores velocities. Returns the largest miss before.
   double solve_rows();
-  // Returns true, ready to be solved again, where contacts press so hard that they are wedged
-  // (bounded_wedges.cc).
-  bool lets_wedges_yield();
-  // The largest velocity, m/s, that a row of a contact would miss if no row gave an impulse.
+  // Lets the contacts yield that are marked as wedged.
+  void let_wedges_yield();
+  // The fastest velocity, m/s, that a contact's normal would miss if no contact gave an impulse.
   double largest_need();
   // Second half of a collision by Poisson's law.
   void restore_by_poisson();
@@ -170,7 +172,7 @@ class Bounded {
   std::vector<RowBlock> blocks_;
   std::vector<Owner> owners_;       // by block
   std::vector<double> velocities_;  // of the bodies without joints, then of the mechanisms' rows
-  std::vector<double> unpushed_;    // likewise, without the rows' impulses
+  std::vector<double> unpushed_;    // likewise, without the contacts' impulses
   std::vector<FreeBody> bodies_;
   std::vector<double> responses_;              // W of one mechanism after the other
   std::vector<MechanismRows> of_mechanism_;    // in the island's order

@@ -78,6 +78,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);
+  let_wedges_yield();
 }
 
 bool Bounded::is_calm() const {

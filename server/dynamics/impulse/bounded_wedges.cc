@@ -9,47 +9,53 @@
 namespace visum::dynamics::impulse {
 namespace {
 
-// A wedge's impulse alone would change its own velocity by more than this (m/s), and by so many times what
-// any contact needs. In robots that fall on themselves nearly all wedges have more than 1000 times that, and
-// legs that land less than 100 times.
-constexpr double kPressed = 1.0, kAbsurd = 300.0;
+// A wedge's impulse alone would change its own velocity by more than this, m/s, and is more than so many
+// times what gives the whole island the velocity that any contact needs.
+constexpr double kPressed = 1.0, kAbsurd = 30.0;
 // The share of what an impulse moves along all three directions by which a wedge yields. With 0.1 (m/s)/(N·s)
 // along these and ticks of 1 ms it is a spring of some 4e7 N/m.
 constexpr double kWedgedGive = 0.1;
 
-bool is_pressed(const RowBlock& block, double most) {
-  return block.kind == RowBlock::Kind::kContact && block.lambda[0] * block.K[0] > most;
+bool is_pressed(const RowBlock& block) {
+  return block.kind == RowBlock::Kind::kContact && block.lambda[0] * block.K[0] > kPressed;
 }
 
 }  // namespace
 
-bool Bounded::lets_wedges_yield() {
-  // Joint after joint, impulses are far off until the joints have closed; and a hit must bounce exactly.
-  if (responses_.empty() || moment_ == kHit || course_->gently || apart_) return false;
-  if (plant_.setting.solver == "iterate") return false;
-  const auto is_suspect = [](const RowBlock& block) { return is_pressed(block, kPressed); };
-  if (std::ranges::none_of(blocks_, is_suspect)) return false;
-  const double most = std::max(kPressed, kAbsurd * largest_need());
+void Bounded::let_wedges_yield() {
+  if (moment_ == kHit) return;  // a hit must bounce exactly
   bool any = false;
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
     RowBlock& block = blocks_[k];
-    // A foreseen contact must not come nearer than it may.
-    if (!is_pressed(block, most) || block.give != kGive || plant_.touches[owners_[k].index].foreseen)
-      continue;
+    if (block.kind != RowBlock::Kind::kContact || !plant_.touches[owners_[k].index].wedged) continue;
+    if (!(block.K[0] > 0.0)) continue;
     block.give += kWedgedGive * (block.K[0] + block.K[1] + block.K[2]) / block.K[0];
     any = true;
   }
-  if (!any) return false;
-  for (std::size_t k = 0; k < blocks_.size(); ++k) blocks_[k].lambda = before_[k];
-  rows_.note_gives();
-  return true;
+  if (any) rows_.note_gives();
 }
 
-// Takes all impulses out of a copy of the velocities.
+bool Bounded::mark_wedges() {
+  if (responses_.empty() || std::ranges::none_of(blocks_, is_pressed)) return false;
+  double mass = 0.0;
+  for (const std::size_t i : plant_.islands.bodies(island_)) mass += plant_.bodies.constants[i].mass;
+  const double most = kAbsurd * mass * largest_need();
+  bool any = false;
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    if (!is_pressed(blocks_[k]) || !(blocks_[k].lambda[0] > most)) continue;
+    Touch& touch = plant_.touches[owners_[k].index];
+    if (touch.wedged || touch.foreseen) continue;  // what is foreseen must not come nearer than it may
+    touch.wedged = any = true;
+  }
+  return any;
+}
+
+// Takes the contacts' impulses out of a copy of the velocities.
 double Bounded::largest_need() {
   work_.take(system_.sweep_units);
   unpushed_.assign(velocities_.begin(), velocities_.end());
   for (const RowBlock& block : blocks_) {
+    if (block.kind != RowBlock::Kind::kContact) continue;
     for (std::size_t e = 0; e < block.end_count; ++e) {
       const RowEnd& end = block.ends[e];
       double* velocity = &unpushed_[end.offset];
@@ -63,15 +69,13 @@ double Bounded::largest_need() {
   double largest = 0.0;
   for (const RowBlock& block : blocks_) {
     if (block.kind != RowBlock::Kind::kContact) continue;
-    for (std::size_t i = 0; i < block.dim; ++i) {
-      double needs = block.target[i];
-      for (std::size_t e = 0; e < block.end_count; ++e) {
-        const RowEnd& end = block.ends[e];
-        const double* velocity = &unpushed_[end.offset];
-        needs -= end.free ? dot(end.J[i], velocity) : velocity[end.first + i];
-      }
-      largest = std::max(largest, std::abs(needs));
+    double needs = block.target[0];
+    for (std::size_t e = 0; e < block.end_count; ++e) {
+      const RowEnd& end = block.ends[e];
+      const double* velocity = &unpushed_[end.offset];
+      needs -= end.free ? dot(end.J[0], velocity) : velocity[end.first];
     }
+    largest = std::max(largest, std::abs(needs));
   }
   return largest;
 }

@@ -64,7 +64,7 @@ void EnergyGuard::count_given(const Plant& plant, std::span<const Wrench> wrench
   for (std::size_t k = 0; k < plant.acting.size(); ++k) {
     const Axis& axis = plant.axes[plant.acting[k]];
     const double law = axis.target == 0.0 ? 0.0 : std::abs(axis.law[kAhead]) + std::abs(axis.law[kAfter]);
-    const double fastest = std::max({rate_before_[k], std::abs(axis.mean_rate), std::abs(plant.rate(axis))});
+    const double fastest = std::max(rate_before_[k], std::abs(plant.rate(axis)));
     given_[joined_.leader(static_cast<std::size_t>(axis.b))] +=
         (law + h * std::abs(axis.feedforward)) * fastest;
   }

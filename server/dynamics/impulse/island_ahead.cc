@@ -256,6 +256,10 @@ IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
     look_at_springs();
     moved = gently && pass >= kGentlePasses ? 0.0 : std::abs(plan_.h) * bounded_.solve();
     if (!std::isfinite(moved)) return Closed::kNo;
+    if (minds_wedges_ && !gently && bounded_.mark_wedges()) {
+      fate_->wedged = true;
+      return Closed::kNo;
+    }
     fate_->followed = may_follow && follow_rows();
     fate_->inexact = bounded_.is_inexact();
     if (fate_->followed && bounded_.is_solved()) return Closed::kYes;
@@ -278,6 +282,7 @@ IslandStepper::Closed IslandStepper::close_with_rows(bool gently) {
 // near an answer.
 bool IslandStepper::close_together() {
   Closed closed = close_with_rows(false);
+  if (fate_->wedged) return false;
   if (closed == Closed::kNo && fate_->broken != nullptr && has_laws_to_box(fate_->mechanism)) return false;
   if (closed == Closed::kNo && !plan_.iterates) {
     for (const std::size_t m : mechanisms())
@@ -300,7 +305,7 @@ bool IslandStepper::close_together() {
 
 bool IslandStepper::look_ahead() {
   fate_->broken = nullptr;
-  fate_->followed = false;
+  fate_->followed = fate_->wedged = false;
   // Kept for take_back().
   if (!plan_.iterates) {
     copy(plant_.bodies.v, kept_.unpushed_v);

@@ -123,7 +123,7 @@ const JointSpec* IslandStepper::worst_joint(std::size_t m) const {
 bool IslandStepper::is_too_taut() {
   return std::ranges::any_of(mechanisms(), [&](std::size_t m) {
     Mechanism& mechanism = plant_.mechanisms[m];
-    return mechanism.notes() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(plan_.h);
+    return mechanism.notes() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(plan_.h, plant_.bodies);
   });
 }
 
@@ -194,10 +194,25 @@ void IslandStepper::begin_ahead(bool again) {
   measure_springs(plant_, island_, state());
 }
 
+// Joint after joint, impulses are far off until the joints have closed.
+bool IslandStepper::knows_wedges() const {
+  return plant_.setting.solver != "iterate";
+}
+
+// A drive whose law is in the tree holds its axis without a limit until the law is found to be at its limit.
+// Fingers that close on a thing look wedged until then.
+bool IslandStepper::may_mind_wedges() {
+  bool may = true;
+  plant_.for_axes(island_, [&](const Axis& axis) { may = may && !(axis.driven && law_in_tree(axis)); });
+  return may;
+}
+
 // Each repetition starts from the saved velocities.
 bool IslandStepper::find_impulses() {
+  bool settled = false;  // the laws take part as they should
   for (int i = 0; i < kMostChanges; ++i) {
     begin_ahead(i > 0);
+    minds_wedges_ = knows_wedges() && i + 1 < kMostChanges && (settled || may_mind_wedges());
     // Collisions change velocities at once; laws that they push over their limit change first.
     if (find_hits(plant_, island_, plan_.h)) {
       const bool sprung = has_sprung_axes();
@@ -210,6 +225,7 @@ bool IslandStepper::find_impulses() {
     bounded_.build(island_, kAhead, plan_.h, fate_->course);
     note_energy();
     if (!look_ahead()) {
+      if (fate_->wedged) continue;
       if (i + 1 < kMostChanges && fate_->broken != nullptr && take_laws_as_rows(fate_->mechanism)) continue;
       return false;
     }
@@ -217,7 +233,11 @@ bool IslandStepper::find_impulses() {
     bounded_.report();
     // Solved, unless a law now takes part in another way. The iterative solver and late repetitions use rows.
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
-    if (!change_laws(plant_, island_, kAhead, plan_.h, as_rows)) return true;
+    if (change_laws(plant_, island_, kAhead, plan_.h, as_rows)) continue;
+    // Only a settled answer tells which contacts are wedged, where drives hold axes.
+    settled = true;
+    if (minds_wedges_ || !knows_wedges() || i + 1 == kMostChanges || !bounded_.mark_wedges()) return true;
+    plant_.for_touches(island_, start_ahead);
   }
   fate_->fell_short = true;
   return true;
@@ -239,8 +259,10 @@ void IslandStepper::hit() {
 bool IslandStepper::is_worked_on() {
   const Islands& islands = plant_.islands;
   return !islands.wrenches(island_).empty() || !islands.springs(island_).empty() ||
-         std::ranges::any_of(islands.touches(island_),
-                             [&](std::size_t i) { return !plant_.touches[i].foreign.isZero(0.0); });
+         std::ranges::any_of(islands.touches(island_), [&](std::size_t i) {
+           const Touch& touch = plant_.touches[i];
+           return !touch.foreign.isZero(0.0) || !touch.foreign_turn.isZero(0.0);
+         });
 }
 
 void IslandStepper::note_energy() {
@@ -271,8 +293,7 @@ double IslandStepper::given_by_drives() const {
     const double law = axis.target == 0.0 ? 0.0
                                           : std::abs(axis.law[kHit]) + std::abs(axis.law[kAhead]) +
                                                 std::abs(axis.law[kAfter]);
-    const double fastest =
-        std::max({std::abs(axis.rate), std::abs(axis.mean_rate), std::abs(plant_.rate(axis))});
+    const double fastest = std::max(std::abs(axis.rate), std::abs(plant_.rate(axis)));
     given += (law + std::abs(plan_.h * axis.feedforward)) * fastest;
   });
   return given;
@@ -333,6 +354,10 @@ void IslandStepper::begin_after() {
   push_by_springs(plant_, island_, state(), plan_.h);
   save_velocities();
   meet_touches(plant_, island_);
+  start_after();
+}
+
+void IslandStepper::start_after() {
   plant_.for_touches(island_, [](Touch& touch) {
     if (touch.foreseen) return;
     touch.impulse[kAfter] = touch.impulse[kAhead] + touch.frame.transpose() * touch.kept_change;
@@ -359,8 +384,11 @@ bool IslandStepper::find_velocities() {
     if (bounded_.is_inexact()) fate_->inexact = fate_->fell_short = true;
     bounded_.report();
     const bool as_rows = plan_.corrector != nullptr || i >= kFreeChanges;
-    if (!change_laws(plant_, island_, kAfter, plan_.h, as_rows)) return true;
+    const bool changed = change_laws(plant_, island_, kAfter, plan_.h, as_rows);
+    const bool wedged = !changed && knows_wedges() && i + 1 < kMostChanges && bounded_.mark_wedges();
+    if (!changed && !wedged) return true;
     if (i + 1 == kMostChanges) return false;
+    if (wedged) start_after();
     // The laws' impulses at t+h are found anew.
     restore_velocities();
     plant_.for_axes(island_, [](Axis& axis) { axis.law[kAfter] = axis.damped[kAfter] = 0.0; });

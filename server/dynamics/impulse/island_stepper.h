@@ -34,6 +34,7 @@ struct IslandFate {
   bool fell_short = false;
   bool followed = false;  // the look-ahead has followed the last answers
   bool inexact = false;   // the answer of the look-ahead or at t+h is (Bounded::is_inexact)
+  bool wedged = false;    // contacts were found to be wedged: the look-ahead is to be made again
   bool held = false;      // of a limited step: its joints do not close, so that it stays where it was
   Course course;
   // Where nothing but gravity and drives does work on joints with rows, or on many contacts: the energy
@@ -130,6 +131,11 @@ class IslandStepper {
   double d_max(std::size_t mechanism) const { return plan_.bounds.d_max_by_mechanism[mechanism]; }
   // True if a link would swing too far in this step under the tension of its joint (predicting.cc).
   bool is_too_taut();
+  // True if contacts may be found to be wedged: at all, and before the drives' laws have settled.
+  bool knows_wedges() const;
+  bool may_mind_wedges();
+  // Sets the impulses that the rows at t+h start from.
+  void start_after();
   bool find_impulses();
   // Sets everything back to where the look-ahead starts, and brings poses and factors up to date.
   void begin_ahead(bool again);
@@ -216,6 +222,7 @@ class IslandStepper {
   WorkBudget& work_;
   Bounded bounded_;
   std::size_t island_ = 0;
+  bool minds_wedges_ = false;  // the look-ahead stops where contacts are found to be wedged
   IslandFate* fate_ = nullptr;
 };
 

@@ -3,7 +3,6 @@
 // anywhere in it does.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -26,19 +25,6 @@ struct PathMotion {
 // Two bodies of a mechanism by their numbers, -1: it does not move; and their nodes, -1: not in it.
 struct PathEnds {
   int body_a = -1, body_b = -1, node_a = -1, node_b = -1;
-};
-
-// How a link swings about a joint under the tension F there, for the two bodies of the joint: the square of
-// the frequency is F `alone` as if the link were jointed nowhere else, and F `lever` times the response of
-// the joint's axis to an impulse on it.
-struct Taut {
-  struct Side {
-    double alone = 0.0;  // 1/(kg·m)
-    double lever = 0.0;  // m
-  };
-  Side a, b;
-
-  double alone() const { return std::max(a.alone, b.alone); }
 };
 
 // Order of calls in a step: place(), factor(), then clear(), requests (ask..., push), solve(), answers (rate,
@@ -144,7 +130,7 @@ class Mechanism {
   void nudge(Bodies& bodies, double h) const;
   // True if the tension that the joints give at t would make a link swing about a joint too far in a step of
   // length h.
-  bool is_too_taut(double h);
+  bool is_too_taut(double h, const Bodies& bodies);
 
  private:
   // A direction that a loop's joint holds.
@@ -156,7 +142,8 @@ class Mechanism {
   };
 
   void find_tautness(const Bodies& bodies);
-  double square_of_swing(std::size_t node);  // over the tension, 1/(kg·m)
+  // Of a link with all that hangs on it, or alone, whichever is slower.
+  double square_of_swing_together(std::size_t node, const Bodies& bodies);
   // Finds what a pass and a factor cost.
   void count_units();
   // Finds, for each loop, the first loop that shares a part of the tree with it.
@@ -227,8 +214,9 @@ class Mechanism {
   Prediction prediction_;
   std::vector<double> foreseen_axis_;
   std::vector<JointImpulse> noted_;  // by node: what the joints give at t, without predictions
-  std::vector<Taut> tautness_;       // by node
-  std::vector<Tree::WayPoint> swing_way_;
+  std::vector<double> tautness_;     // by node: square of a swing's frequency over the tension, 1/(kg·m)
+  std::vector<Tree::WayPoint> swing_way_;  // of square_of_swing_together()
+  std::vector<char> hangs_;                // likewise, by node
 
   // The state of the bodies that poses and factors belong to.
   bool of_bodies_alone_ = true;  // the poses of all its joints follow from the bodies alone

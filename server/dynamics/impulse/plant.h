@@ -119,6 +119,7 @@ struct Touch : TouchEnds {
   Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
   bool yields = false;    // one of the two bodies moves by another engine
   bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
+  bool wedged = false;    // in this step: it yields, since nothing that the joints allow opens it
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
   double rolling_friction = 0.0, torsional_friction = 0.0;
@@ -143,6 +144,14 @@ inline constexpr double kDeepestLandingM = 1e-4, kRiseS = 0.5, kSmallestRiseM = 
 // True if rolling or torsional friction acts at this contact.
 inline bool is_held_from_turning(const Touch& touch) {
   return touch.rolling_friction > 0.0 || touch.torsional_friction > 0.0;
+}
+
+// The look-ahead starts from the impulses of the last tick.
+inline void start_ahead(Touch& touch) {
+  if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * touch.kept_twist;
+  touch.impulse[kAhead] = touch.frame.transpose() * touch.kept_impulse;
+  // The surface may have turned since: a normal impulse never pulls.
+  touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
 }
 
 // Directions of a spring's force on B: (w, v) is a unit torque or a unit force in W, and pa, pb are the

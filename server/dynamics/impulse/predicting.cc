@@ -14,23 +14,26 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kMostSwing = 1.5;  // rad in a step; a symmetric step follows 2 at most
+// Links that hang together swing in more ways than about one axis, so there a tenth is allowed. With half of
+// the bound, the energy of random chains of light links drifted a hundred times as far.
+constexpr double kMostSwingTogether = 0.15;
 
 // A body that hangs on a joint swings about it under a tension F, as a bead on a string does. The frequency
-// is 2 sqrt(F r / (m r^2 + J)), with r from the axis to the centre of mass.
-Taut::Side side_about(const BodyConstants& body, const Vector3d& lever, const Vector3d& axis) {
+// is 2 sqrt(F r / (m r^2 + J)), with r from the axis to the centre of mass. Returns its square over F,
+// 1/(kg·m).
+double square_of_swing(const BodyConstants& body, const Vector3d& lever, const Vector3d& axis) {
   const Vector3d across = lever - lever.dot(axis) * axis;
   const double moment = body.moments.dot(axis.cwiseAbs2()) + body.mass * across.squaredNorm();
-  return {.alone = 4.0 * across.norm() / moment, .lever = 4.0 * across.norm()};
+  return 4.0 * across.norm() / moment;
 }
 
-// The same for any joint: nothing if it cannot turn, the faster of two axes if it can turn about several.
-Taut::Side side_of(const BodyConstants& body, const Motion& free, const Vector3d& lever,
-                   const Vector3d& axis) {
-  if (free.count == 0 || free.w[0].isZero(0.0)) return {};  // it cannot turn there
-  if (free.count == 1) return side_about(body, lever, axis);
+// The same for any joint: 0 if it cannot turn, the larger of two axes if it can turn about several.
+double square_of_swing(const BodyConstants& body, const Motion& free, const Vector3d& lever,
+                       const Vector3d& axis) {
+  if (free.count == 0 || free.w[0].isZero(0.0)) return 0.0;  // it cannot turn there
+  if (free.count == 1) return square_of_swing(body, lever, axis);
   const Vector3d one = lever.unitOrthogonal(), other = lever.cross(one).normalized();
-  const Taut::Side by_one = side_about(body, lever, one), by_other = side_about(body, lever, other);
-  return by_one.alone > by_other.alone ? by_one : by_other;
+  return std::max(square_of_swing(body, lever, one), square_of_swing(body, lever, other));
 }
 
 }  // namespace
@@ -52,47 +55,61 @@ void Mechanism::begin_step(double h) {
 }
 
 void Mechanism::find_tautness(const Bodies& bodies) {
-  tautness_.assign(size(), {});
+  tautness_.assign(size(), 0.0);
   for (std::size_t i = 0; i < size(); ++i) {
     const JointSpec* spec = carrying(i);
     if (spec == nullptr) continue;
-    const auto side = [&](int number, const Vector3d& lever, const Vector3d& axis) {
-      return side_of(bodies.constants[static_cast<std::size_t>(number)], motions_[i], lever, axis);
+    const auto of = [&](int number, const Vector3d& lever, const Vector3d& axis) {
+      return square_of_swing(bodies.constants[static_cast<std::size_t>(number)], motions_[i], lever, axis);
     };
-    tautness_[i].b = side(spec->b, spec->point_b, spec->axis_b);
-    if (spec->a >= 0) tautness_[i].a = side(spec->a, spec->point_a, spec->axis_a);
+    tautness_[i] = of(spec->b, spec->point_b, spec->axis_b);
+    if (spec->a >= 0) tautness_[i] = std::max(tautness_[i], of(spec->a, spec->point_a, spec->axis_a));
   }
 }
 
 // A light link between hinges that cross, as robots have them at hips and wrists, does not swing alone: what
-// hangs on the next hinge turns with it. The response of the axis to an impulse on it counts all of that.
-// Without predictions the step is one that closes what `iterate` has left; its tension comes from there, too,
-// and shorter steps are the more exact ones.
-double Mechanism::square_of_swing(std::size_t i) {
-  const Taut& taut = tautness_[i];
-  if (motions_[i].count != 1 || !predicts()) return taut.alone();
+// hangs on the next hinge turns with it. The response of the axis to an impulse on it counts all of that; the
+// lever is then that of the farthest body. Without predictions the step closes what `iterate` has left: that
+// is a part of the tension, and shorter steps are the more exact ones.
+double Mechanism::square_of_swing_together(std::size_t i, const Bodies& bodies) {
+  const Motion& free = motions_[i];
+  if (free.count != 1 || free.w[0].isZero(0.0) || !predicts()) return tautness_[i];
   const TreePush on_axis = tree_.push_on_axis(i), nothing;
   swing_way_.clear();
   tree_.trace({&on_axis, 1}, {&nothing, 1}, swing_way_);
   const double response = Tree::response(swing_way_, swing_way_)(0, 0);
-  return std::max(std::min(taut.a.alone, response * taut.a.lever),
-                  std::min(taut.b.alone, response * taut.b.lever));
+  const Vector3d axis = free.w[0].normalized();
+  double lever = 0.0;
+  // Parents come first, so that what hangs on it comes behind it.
+  hangs_.assign(size(), 0);
+  hangs_[i] = 1;
+  for (std::size_t k = i; k < size(); ++k) {
+    const int parent = tree_.node(k).parent;
+    if (k > i && (parent < 0 || hangs_[static_cast<std::size_t>(parent)] == 0)) continue;
+    hangs_[k] = 1;
+    const Vector3d way = bodies.x[static_cast<std::size_t>(body(k))] - poses_[i].pb;
+    lever = std::max(lever, (way - way.dot(axis) * axis).norm());
+  }
+  constexpr double kStricter = kMostSwing / kMostSwingTogether;
+  return std::min(tautness_[i], 4.0 * kStricter * kStricter * lever * response);
 }
 
 // The impulse at t is half of what a step takes: F = 2 lambda/h. The sum over all joints is below the bound
 // in most steps, and then no single joint can be above it.
-bool Mechanism::is_too_taut(double h) {
+bool Mechanism::is_too_taut(double h, const Bodies& bodies) {
   if (tautness_.empty()) return false;  // with loops: not known
   const double most = 0.5 * kMostSwing * kMostSwing / std::abs(h);
   const std::span<const JointImpulse> given = predicts() ? prediction_.ahead() : noted_;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i)
-    sum += given[i].v.squaredNorm() * tautness_[i].alone() * tautness_[i].alone();
-  if (sum <= most * most) return false;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const double tension = given[i].v.norm();
-    if (tension * tautness_[i].alone() > most && tension * square_of_swing(i) > most) return true;
-  }
+  const auto square = [&](const JointImpulse& one, double tautness) {
+    return tautness * tautness * one.v.squaredNorm();
+  };
+  if (std::transform_reduce(given.begin(), given.end(), tautness_.begin(), 0.0, std::plus<>(), square) <=
+      most * most)
+    return false;
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (square(given[i], tautness_[i]) > most * most &&
+        square(given[i], square_of_swing_together(i, bodies)) > most * most)
+      return true;
   return false;
 }
 

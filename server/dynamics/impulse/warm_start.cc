@@ -149,10 +149,7 @@ void WarmStart::load(Touch& touch) const {
   touch.kept_impulse = impulse;
   touch.kept_twist = twist;
   touch.kept_change = change;
-  if (is_held_from_turning(touch)) touch.twist[kAhead] = touch.frame.transpose() * twist;
-  touch.impulse[kAhead] = touch.frame.transpose() * impulse;
-  // The surface may have turned since: a normal impulse never pulls.
-  touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
+  start_ahead(touch);
 }
 
 std::size_t warm_start_bytes(const Plant& plant) {

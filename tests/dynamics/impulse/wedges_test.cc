@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,14 @@ using testing::BodyId;
 using testing::Lab;
 using testing::ModelBuilder;
 using world::JointKind;
+
+// Links rub against each other.
+ModelBuilder rubbing(double tick_s) {
+  ModelBuilder b(physics::engine_row("impulse").setting);
+  b.model.tick_ns = std::llround(1e9 * tick_s);
+  b.add_surface(0.8, 0.0);
+  return b;
+}
 
 // Numbers between -1 and 1, the same on every machine.
 class Numbers {
@@ -46,9 +55,7 @@ class Numbers {
 // A hanging arm of six links, its joints as those of a common robot, with stops at two turns. Its links are
 // rough stones that nearly touch, so that it falls into itself. `number` tells one set of stones from others.
 world::WorldModel rough_arm(std::uint32_t number) {
-  ModelBuilder b(physics::engine_row("impulse").setting);
-  b.model.tick_ns = 1'000'000;
-  b.add_surface(0.8, 0.0);
+  ModelBuilder b = rubbing(1e-3);
   Numbers numbers(number);
   const auto stone = [&](const std::string& name, const Vector3d& size, double mass_kg, const Vector3d& p) {
     std::vector<Vector3d> points;
@@ -118,9 +125,7 @@ TEST(Wedges, GainNoEnergy) {
 // parted, and must not press as if they could.
 TEST(Wedges, ASlotThatIsTooNarrowPressesAsAStiffSpring) {
   constexpr double kTooDeep = 1e-4;
-  ModelBuilder b(physics::engine_row("impulse").setting);
-  b.model.tick_ns = 1'000'000;
-  b.add_surface(0.5, 0.0);
+  ModelBuilder b = rubbing(1e-3);
   const BodyId finger = b.add_box("finger", {0.1, 0.02, 0.02}, 0.2, at(0.0, 0.0, 0.0));
   for (const double side : {-1.0, 1.0})
     b.add_fixed_box(side < 0.0 ? "left" : "right", {0.3, 0.1, 0.3}, at(0.0, side * (0.06 - kTooDeep), 0.0));
@@ -133,6 +138,86 @@ TEST(Wedges, ASlotThatIsTooNarrowPressesAsAStiffSpring) {
   }
   EXPECT_LT(lab.body("finger").p_WC.norm(), 1e-6);
   EXPECT_LT(lab.kinetic_energy(), 1e-12);
+}
+
+// Nothing is wedged where a light link on a rail carries 10,000 times its mass.
+TEST(Wedges, AHeavyLoadOnALightPlateIsNone) {
+  for (const double tick_s : {1e-3, 1e-2}) {
+    ModelBuilder b = rubbing(tick_s);
+    b.add_ground();
+    const BodyId plate = b.add_box("plate", {0.2, 0.2, 0.02}, 0.01, at(0.0, 0.0, 0.01));
+    b.add_joint("rail", JointKind::kSlider, {}, plate, {0.0, 0.0, 0.01}, Vector3d::UnitZ());
+    b.add_box("load", {0.1, 0.1, 0.1}, 100.0, at(0.0, 0.0, 0.07));
+    Lab lab(b.model);
+    lab.run(2.0);
+    EXPECT_NEAR(lab.body("load").p_WC.z(), 0.07, 2e-4) << tick_s;
+  }
+}
+
+// Nor where a trunk stands on a foot of a thousandth of its mass, whose hinge lets it tip.
+TEST(Wedges, ALightFootUnderAHeavyTrunkIsNone) {
+  for (const double tick_s : {1e-3, 5e-3}) {
+    ModelBuilder b = rubbing(tick_s);
+    b.add_ground();
+    const BodyId foot = b.add_box("foot", {0.2, 0.08, 0.02}, 0.08, at(0.0, 0.0, 0.01));
+    const BodyId trunk = b.add_box("trunk", {0.2, 0.2, 0.4}, 80.0, at(0.0, 0.0, 0.3));
+    b.add_joint("guide", JointKind::kSlider, {}, trunk, {0.0, 0.0, 0.3}, Vector3d::UnitZ());
+    b.add_joint("ankle", JointKind::kHinge, trunk, foot, {0.0, 0.0, 0.05}, Vector3d::UnitY());
+    Lab lab(b.model);
+    lab.run(2.0);
+    EXPECT_NEAR(lab.body("trunk").p_WC.z(), 0.3, 3e-5) << tick_s;
+  }
+}
+
+// A gripper closes on a box and stays shut. Its servos hold the fingers without a limit at first.
+TEST(Wedges, FingersThatCloseOnAThingAreNone) {
+  for (const double tick_s : {1e-3, 5e-3}) {
+    ModelBuilder b = rubbing(tick_s);
+    b.add_fixed_box("table", {1.0, 1.0, 0.1}, at(0.0, 0.0, -0.05));
+    b.add_box("box", {0.06, 0.06, 0.06}, 0.02, at(0.0, 0.0, 0.03));
+    for (const double side : {-1.0, 1.0}) {
+      const std::string name = side < 0.0 ? "left" : "right";
+      const Vector3d p(0.045 * side, 0.0, 0.05);
+      const BodyId finger = b.add_box(name, {0.02, 0.04, 0.1}, 0.015, at(p.x(), p.y(), p.z() + 0.01));
+      b.add_joint(name + "_rail", JointKind::kSlider, {}, finger, p, -side * Vector3d::UnitX());
+    }
+    Lab lab(b.model);
+    for (const char* rail : {"left_rail", "right_rail"})
+      lab.drive(rail) = hwparts::JointDrive{.target_velocity = 0.1, .max_effort = 140.0};
+    double narrowest = 1.0;
+    for (int tick = 0; tick < std::lround(1.0 / tick_s); ++tick) {
+      lab.run_ticks(1);
+      const double apart = lab.body("right").p_WC.x() - lab.body("left").p_WC.x() - 0.02;
+      narrowest = std::min(narrowest, apart);
+    }
+    EXPECT_GT(narrowest, 0.059) << tick_s;
+    EXPECT_NEAR(lab.normal_force_between("left", "box"), 140.0, 1.0) << tick_s;
+  }
+}
+
+// A motor presses a ball on the axis of a turntable, which turns it by torsional friction alone. The table's
+// point there stands still, but it does work: none of it may be taken for an error.
+world::WorldModel ball_on_turntable() {
+  ModelBuilder b = rubbing(1e-3);
+  b.model.surfaces[0].torsional_friction = 0.05;
+  const BodyId table = b.add_box("table", {0.4, 0.4, 0.1}, 1.0, at(0.0, 0.0, 0.05));
+  b.body(table).kinematic = true;
+  b.body(table).engine = world::kNoEngine;
+  b.body(table).w_WB = Vector3d(0.0, 0.0, 50.0);
+  const BodyId quill = b.add_rotor("quill", 0.2, 1e-3, at(0.0, 0.0, 0.3));
+  const BodyId ball = b.add_sphere("ball", 0.05, 0.5, at(0.0, 0.0, 0.15));
+  b.body(ball).inertia_C *= 100.0;
+  b.add_joint("press", JointKind::kSlider, {}, quill, {0.0, 0.0, 0.3}, -Vector3d::UnitZ());
+  b.add_joint("spin", JointKind::kHinge, quill, ball, {0.0, 0.0, 0.15}, Vector3d::UnitZ());
+  return b.model;
+}
+
+TEST(EnergyOfMechanisms, ATurntableMayTurnAPressedBall) {
+  Lab lab(ball_on_turntable());
+  lab.drive("press") = hwparts::JointDrive{.feedforward = 500.0};
+  lab.run(0.12);
+  EXPECT_NEAR(lab.body("ball").w_WB.z(), 50.0, 0.1);
+  EXPECT_EQ(lab.warned_ticks, 0);
 }
 
 }  // namespace
