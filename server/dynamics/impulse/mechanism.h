@@ -142,7 +142,7 @@ class Mechanism {
   };
 
   void find_tautness(const Bodies& bodies);
-  // Of a link with all that hangs on it, or alone, whichever is slower.
+  // The square over the tension: with all that hangs on the link, or of it alone, whichever is less.
   double square_of_swing_together(std::size_t node, const Bodies& bodies);
   // Finds what a pass and a factor cost.
   void count_units();
