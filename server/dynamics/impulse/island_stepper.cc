@@ -348,8 +348,7 @@ void IslandStepper::match_velocities(std::size_t m, bool first) {
   give_answer(m, kAfter);
 }
 
-// The rows at t+h start from what they gave at t, and what was added to that in the last step. The springs
-// repeat their impulse; contacts meet at one point again.
+// The springs repeat their impulse; contacts meet at one point again.
 void IslandStepper::begin_after() {
   push_by_springs(plant_, island_, state(), plan_.h);
   save_velocities();
@@ -357,6 +356,7 @@ void IslandStepper::begin_after() {
   start_after();
 }
 
+// The rows start from what they gave at t, and what was added to that in the last step.
 void IslandStepper::start_after() {
   plant_.for_touches(island_, [](Touch& touch) {
     if (touch.foreseen) return;
