@@ -280,7 +280,7 @@ IslandStepper::Energy IslandStepper::energy() const {
     const double mass = of.constants[i].mass;
     energy.kinetic += 0.5 * (mass * of.v[i].squaredNorm() + of.w[i].dot(of.inertia[i] * of.w[i]));
     energy.potential -= mass * plant_.model.gravity.dot(of.x[i]);
-    energy.weight += mass * plant_.model.gravity.norm();
+    energy.mass += mass;
   }
   return energy;
 }
@@ -299,6 +299,18 @@ double IslandStepper::given_by_drives() const {
   return given;
 }
 
+// What overlapping bodies may gain as they are driven apart, J: they are lifted, or, where nothing pulls them
+// down, they part.
+double IslandStepper::given_by_overlaps(double mass) const {
+  const double h = std::abs(plan_.h), gravity = plant_.model.gravity.norm();
+  if (gravity > 0.0) return h * kMostPush * mass * gravity;
+  double deepest = kSurfaceLayerM;
+  for (const std::size_t i : plant_.islands.touches(island_))
+    deepest = std::max(deepest, plant_.touches[i].depth);
+  const double speed = std::min(kMostPush, deepest / h);
+  return 0.5 * mass * speed * speed;
+}
+
 // A solution that only comes near an answer may have gained energy: more than rounding, and more than lifting
 // overlapping bodies apart takes. Then all motion of the island is slowed down alike, which joints allow.
 // Free bodies are watched after an inexact answer only.
@@ -306,7 +318,7 @@ void IslandStepper::give_back_energy() {
   if (!fate_->watched || (mechanisms().empty() && !fate_->inexact)) return;
   const Energy now = energy();
   double gained = now.kinetic + now.potential - fate_->energy_before;
-  const double most = kMostGain * now.kinetic + std::abs(plan_.h) * kMostPush * now.weight;
+  const double most = kMostGain * now.kinetic + given_by_overlaps(now.mass);
   if (!(gained > most)) return;
   gained -= given_by_drives();
   if (!(gained > most)) return;

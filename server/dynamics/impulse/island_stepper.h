@@ -195,10 +195,11 @@ class IslandStepper {
   bool is_worked_on();
   struct Energy {
     double kinetic = 0.0, potential = 0.0;  // J
-    double weight = 0.0;                    // N, of all bodies
+    double mass = 0.0;                      // kg, of all bodies
   };
   Energy energy() const;
   double given_by_drives() const;
+  double given_by_overlaps(double mass) const;
   // Slows the bodies down if the step has gained energy.
   void give_back_energy();
   // Makes the joints' velocities of a mechanism agree at t+h. `first`: with the drives' known impulses.

@@ -220,5 +220,23 @@ TEST(EnergyOfMechanisms, ATurntableMayTurnAPressedBall) {
   EXPECT_EQ(lab.warned_ticks, 0);
 }
 
+// Without gravity a robot is driven out of an overlap, and then rests or floats: no tick falls short.
+TEST(EnergyOfMechanisms, BodiesThatOverlapPartWithoutGravity) {
+  ModelBuilder b = rubbing(1e-3);
+  b.model.gravity.setZero();
+  b.add_fixed_box("floor", {2.0, 2.0, 0.2}, at(0.0, 0.0, -0.1));
+  const BodyId trunk = b.add_box("trunk", {0.4, 0.2, 0.1}, 5.0, at(0.0, 0.0, 0.045));
+  const BodyId arm = b.add_box("arm", {0.2, 0.05, 0.05}, 1.0, at(0.3, 0.0, 0.045));
+  world::Joint& joint =
+      b.add_joint("hinge", JointKind::kHinge, trunk, arm, {0.2, 0.0, 0.045}, Vector3d::UnitY());
+  joint.limited = true;
+  joint.lower = -1.0;
+  joint.upper = 1.0;
+  Lab lab(b.model);
+  lab.run(0.3);
+  EXPECT_GT(lab.body("trunk").p_WC.z(), 0.05 - 1e-6);
+  EXPECT_EQ(lab.warned_ticks, 0);
+}
+
 }  // namespace
 }  // namespace visum::dynamics::impulse
