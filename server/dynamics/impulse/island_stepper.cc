@@ -299,8 +299,8 @@ double IslandStepper::given_by_drives() const {
   return given;
 }
 
-// What overlapping bodies may gain as they are driven apart, J: they are lifted, or, where nothing pulls them
-// down, they part.
+// Returns the most that bodies gain as they are driven out of an overlap, J: they are lifted, or, where
+// nothing pulls them down, they part.
 double IslandStepper::given_by_overlaps(double mass) const {
   const double h = std::abs(plan_.h), gravity = plant_.model.gravity.norm();
   if (gravity > 0.0) return h * kMostPush * mass * gravity;
