@@ -248,6 +248,14 @@ void reset_impulses(Plant& plant, std::size_t island) {
   plant.for_touches(island, [](Touch& touch) { touch.impulse[kHit] = touch.twist[kHit] = Vector3d::Zero(); });
 }
 
+double most_work_of_drive(const Plant& plant, const Axis& axis, double speed_before, double h) {
+  double law = 0.0;
+  if (axis.target != 0.0)
+    for (const double impulse : axis.law) law += std::abs(impulse);
+  const double fastest = std::max(speed_before, std::abs(plant.rate(axis)));
+  return (law + std::abs(h * axis.feedforward)) * fastest;
+}
+
 bool change_laws(Plant& plant, std::size_t island, Moment moment, double h, bool as_rows) {
   bool any = false;
   plant.for_axes(island, [&](Axis& axis) {

@@ -12,8 +12,8 @@ namespace {
 // A wedge's impulse alone would change its own velocity by more than this, m/s, and is more than so many
 // times what gives the whole island the velocity that any contact needs.
 constexpr double kPressed = 1.0, kAbsurd = 30.0;
-// The share of what an impulse moves along all three directions by which a wedge yields. With 0.1 (m/s)/(N·s)
-// along these and ticks of 1 ms it is a spring of some 4e7 N/m.
+// The share of what an impulse moves along all three directions by which a wedge yields. A link of 3 kg on a
+// rail, in a slot that is too narrow, then meets a spring of 5e7 N/m with ticks of 1 ms.
 constexpr double kWedgedGive = 0.1;
 
 bool is_pressed(const RowBlock& block) {

@@ -58,15 +58,13 @@ void EnergyGuard::begin(const Plant& plant) {
   for (const std::size_t i : plant.acting) rate_before_.push_back(std::abs(plant.axes[i].rate));
 }
 
-// Upper bounds: an impulse times the fastest motion along it. A law that asks for rest gives nothing.
+// Upper bounds: an impulse times the fastest motion along it.
 void EnergyGuard::count_given(const Plant& plant, std::span<const Wrench> wrenches, double h) {
   const Bodies& bodies = plant.bodies;
   for (std::size_t k = 0; k < plant.acting.size(); ++k) {
     const Axis& axis = plant.axes[plant.acting[k]];
-    const double law = axis.target == 0.0 ? 0.0 : std::abs(axis.law[kAhead]) + std::abs(axis.law[kAfter]);
-    const double fastest = std::max(rate_before_[k], std::abs(plant.rate(axis)));
     given_[joined_.leader(static_cast<std::size_t>(axis.b))] +=
-        (law + h * std::abs(axis.feedforward)) * fastest;
+        most_work_of_drive(plant, axis, rate_before_[k], h);
   }
   for (const Wrench& wrench : wrenches) {
     if (bodies.number(wrench.body) < 0) continue;

@@ -123,7 +123,8 @@ const JointSpec* IslandStepper::worst_joint(std::size_t m) const {
 bool IslandStepper::is_too_taut() {
   return std::ranges::any_of(mechanisms(), [&](std::size_t m) {
     Mechanism& mechanism = plant_.mechanisms[m];
-    return mechanism.notes() && !plant_.mechanism_asleep[m] && mechanism.is_too_taut(plan_.h, plant_.bodies);
+    return mechanism.notes() && !plant_.mechanism_asleep[m] &&
+           mechanism.is_too_taut(plan_.h, plant_.bodies, work_);
   });
 }
 
@@ -285,16 +286,10 @@ IslandStepper::Energy IslandStepper::energy() const {
   return energy;
 }
 
-// An upper bound, J: what each drive gives, times the fastest motion along it. A law that asks for rest, as
-// friction does, gives nothing.
 double IslandStepper::given_by_drives() const {
   double given = 0.0;
   plant_.for_axes(island_, [&](const Axis& axis) {
-    const double law = axis.target == 0.0 ? 0.0
-                                          : std::abs(axis.law[kHit]) + std::abs(axis.law[kAhead]) +
-                                                std::abs(axis.law[kAfter]);
-    const double fastest = std::max(std::abs(axis.rate), std::abs(plant_.rate(axis)));
-    given += (law + std::abs(plan_.h * axis.feedforward)) * fastest;
+    given += most_work_of_drive(plant_, axis, std::abs(axis.rate), plan_.h);
   });
   return given;
 }

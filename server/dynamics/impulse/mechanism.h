@@ -130,7 +130,7 @@ class Mechanism {
   void nudge(Bodies& bodies, double h) const;
   // True if the tension that the joints give at t would make a link swing about a joint too far in a step of
   // length h.
-  bool is_too_taut(double h, const Bodies& bodies);
+  bool is_too_taut(double h, const Bodies& bodies, WorkBudget& work);
 
  private:
   // A direction that a loop's joint holds.

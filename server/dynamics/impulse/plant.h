@@ -336,6 +336,9 @@ double ask_axes(Plant& plant, std::size_t mechanism, Moment moment, double h);
 void take_axis_impulses(Plant& plant, std::size_t mechanism, Moment moment);
 // Sets the impulses of laws, stops and hits to zero: an island's step starts, or starts again.
 void reset_impulses(Plant& plant, std::size_t island);
+// An upper bound of the work of an axis' drive in this step, J: what it gives, times the fastest motion along
+// it. `speed_before`, rad/s or m/s: at t. A law that asks for rest, as friction does, gives nothing.
+double most_work_of_drive(const Plant& plant, const Axis& axis, double speed_before, double h);
 // Notes the impulses of an island's laws that are at their limit. Then checks each law: one that has passed
 // its limit, or that asks for less than its limit, takes part in another way from now on. Returns true if any
 // did, and the moment must then be solved again. With `as_rows` such a law becomes a row, which finds its
