@@ -1,10 +1,11 @@
 #include "server/programs/drives_file.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <optional>
+#include <span>
 
 #include "protocol/config/new_file.h"
 #include "protocol/config/number_text.h"
@@ -13,6 +14,7 @@
 #include "server/programs/program.h"
 #include "server/programs/scene_check.h"
 #include "server/scene/convert/convert.h"
+#include "server/world/joint_tree.h"
 
 namespace visum::programs {
 namespace {
@@ -20,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using config::number_text;
 
-constexpr std::size_t kMostDrives = 31;  // modules of a bus
+constexpr std::size_t kMostDrives = 31;  // of a part: a bus has no more modules
 
 struct DrivesOptions {
   std::string from, to, scene;
@@ -34,6 +36,13 @@ struct Planned {
   std::string full_name;  // "arm/elbow"
   JointLoad load;
   DriveChoice choice;
+  bool begins_limb;  // it does not hang on the drive before it
+};
+
+// Drives that one part has, and the file that holds them.
+struct DrivesOfPart {
+  std::string file;
+  std::span<const Planned> drives;
 };
 
 // At most three significant digits, as for a person.
@@ -43,26 +52,58 @@ std::string shown(double value) {
   return number_text(std::round(value * scale) / scale);
 }
 
+// The joint that carries `joint`'s parent, past those without a drive; invalid if there is none.
+world::JointId drive_below(const world::WorldModel& model, const std::vector<world::JointId>& carriers,
+                           const std::vector<world::JointId>& driven, world::JointId joint) {
+  for (std::size_t steps = 0; steps < model.joints.size(); ++steps) {
+    const world::BodyId parent = model.joints[joint.index()].parent;
+    joint = parent.valid() ? carriers[parent.index()] : world::JointId{};
+    if (!joint.valid() || std::find(driven.begin(), driven.end(), joint) != driven.end()) return joint;
+  }
+  return {};
+}
+
 std::vector<Planned> plan(const scene::Scene& scene, const std::string& file) {
   std::vector<Planned> all;
   std::vector<world::JointId> ids;
   for (const auto& part : scene.parts) {
     for (std::size_t i = 0; i < part.joints.size(); ++i) {
-      all.push_back({part.context.joints[i], scene.world.joints[part.joints[i].index()].name, {}, {}});
+      all.push_back({part.context.joints[i], scene.world.joints[part.joints[i].index()].name, {}, {}, true});
       ids.push_back(part.joints[i]);
     }
   }
   if (all.empty()) throw config::ConfigError({file, 0, ""}, "has no joint that a drive could move");
-  if (all.size() > kMostDrives)
-    throw config::ConfigError({file, 0, ""},
-                              "has " + std::to_string(all.size()) + " joints, and a part has at most " +
-                                  std::to_string(kMostDrives) + " drives: give the joints to several parts");
   const auto loads = worst_loads(scene.world, ids);
+  const auto carriers = world::carrying_joints(scene.world);
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i].load = loads[i];
     all[i].choice = choose_drive(all[i].joint, loads[i]);
+    all[i].begins_limb = i == 0 || drive_below(scene.world, carriers, ids, ids[i]) != ids[i - 1];
   }
   return all;
+}
+
+// "drives.yaml", then "drives_2.yaml" beside it, and so on.
+std::string file_of_part(const std::string& first, std::size_t index) {
+  const fs::path path = first;
+  const std::string number = index == 0 ? "" : "_" + std::to_string(index + 1);
+  return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
+}
+
+// As many drives a part as fit, in their order. A limb is parted only if it is longer than that.
+std::vector<DrivesOfPart> divide(std::span<const Planned> all, const std::string& first) {
+  std::vector<DrivesOfPart> parts;
+  while (!all.empty()) {
+    std::size_t count = std::min(all.size(), kMostDrives);
+    if (count < all.size()) {
+      std::size_t limb = count;
+      while (limb > 0 && !all[limb].begins_limb) --limb;
+      if (limb > 0) count = limb;
+    }
+    parts.push_back({file_of_part(first, parts.size()), all.first(count)});
+    all = all.subspan(count);
+  }
+  return parts;
 }
 
 std::string quoted(const std::string& text) {
@@ -72,7 +113,7 @@ std::string quoted(const std::string& text) {
 }
 
 std::string comment_of(const Planned& drive) {
-  const auto& [joint, full_name, load, choice] = drive;
+  const auto& [joint, full_name, load, choice, begins_limb] = drive;
   const char* mass = joint.prismatic ? " kg" : " kg·m²";
   const char* force = joint.prismatic ? " N" : " N·m";
   std::string text = "  # Behind it: " + shown(load.inertia) + mass + ", and " + shown(load.gravity) + force +
@@ -86,7 +127,7 @@ std::string comment_of(const Planned& drive) {
 }
 
 std::string entry_of(const Planned& drive) {
-  const auto& [joint, full_name, load, choice] = drive;
+  const auto& [joint, full_name, load, choice, begins_limb] = drive;
   const std::string u = joint.prismatic ? "m" : "rad";
   std::string limits = "{speed_" + u + "_per_s: " + number_text(choice.speed) + ", acceleration_" + u +
                        "_per_s2: " + number_text(choice.acceleration) + ", following_error_" + u + ": " +
@@ -101,7 +142,7 @@ std::string entry_of(const Planned& drive) {
          ", integral_time_s: " + number_text(choice.integral_time) + "}\n";
 }
 
-std::string file_text(const DrivesOptions& options, const std::vector<Planned>& drives) {
+std::string file_text(const DrivesOptions& options, std::span<const Planned> drives) {
   std::string text =
       "# Drives for " + fs::path(options.from).filename().string() +
       ", as `visum drives` chose them. Change what you know better.\n"
@@ -115,21 +156,38 @@ std::string file_text(const DrivesOptions& options, const std::vector<Planned>& 
   return text;
 }
 
+std::string part_text(const std::string& model, const DrivesOfPart& part, std::size_t index, bool all,
+                      const fs::path& folder) {
+  std::string text = "  - name: " + quoted(index == 0 ? model : model + "_" + std::to_string(index + 1)) +
+                     "\n    kind: servo_group\n    model: " + quoted(model) + "\n";
+  if (!all) {
+    std::string joints;
+    for (const auto& drive : part.drives) joints += (joints.empty() ? "" : ", ") + quoted(drive.joint.name);
+    text += "    joints: [" + joints + "]\n";
+  }
+  const std::string file = fs::relative(fs::absolute(part.file), folder).string();
+  return text + "    drives: " + quoted(file) + "\n";
+}
+
 // A scene in which the model has these drives; the model file's own floor and name.
-std::string scene_text(const DrivesOptions& options, const scene::Scene& scene) {
+std::string scene_text(const DrivesOptions& options, const scene::Scene& scene,
+                       const std::vector<DrivesOfPart>& parts) {
   if (scene.models.size() != 1 || scene.parts.size() != 1)
     throw config::ConfigError({options.from, 0, ""}, "--scene is for a model file: .urdf or .sdf");
   const fs::path folder = fs::absolute(options.scene).parent_path();
   const std::string& name = scene.models[0].name;
   double floor = 0.0;
   for (const auto& shape : scene.world.shapes)
-    if (shape.kind == world::ShapeKind::kPlane) floor = scene.world.bodies[shape.body.index()].X_WB.p.z();
-  return "visum: 1\nname: " + quoted(name) + "\nbodies:\n  - {name: floor, fixed: true, pose: {xyz: [0, 0, " +
-         number_text(floor) + "]}, shapes: [{plane: true}]}\nmodels:\n  - name: " + quoted(name) +
-         "\n    file: " + quoted(fs::relative(fs::absolute(options.from), folder).string()) +
-         "\n    no_collision: {overlapping: true}\nparts:\n  - name: " + quoted(name) +
-         "\n    kind: servo_group\n    model: " + quoted(name) +
-         "\n    drives: " + quoted(fs::relative(fs::absolute(options.to), folder).string()) + "\n";
+    if (shape.kind == world::ShapeKind::kPlane)
+      floor = scene.world.bodies[shape.body.index()].X_WB.p.z() + 0.0;  // no -0
+  std::string text = "visum: 1\nname: " + quoted(name) +
+                     "\nbodies:\n  - {name: floor, fixed: true, pose: {xyz: [0, 0, " + number_text(floor) +
+                     "]}, shapes: [{plane: true}]}\nmodels:\n  - name: " + quoted(name) +
+                     "\n    file: " + quoted(fs::relative(fs::absolute(options.from), folder).string()) +
+                     "\n    no_collision: {overlapping: true}\nparts:\n";
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += part_text(name, parts[i], i, parts.size() == 1, folder);
+  return text;
 }
 
 void refuse_existing(const std::string& file, bool force) {
@@ -148,9 +206,10 @@ void write(const std::string& file, const std::string& text) {
   fresh.keep();
 }
 
-std::string json_of(const DrivesOptions& options, const std::vector<Planned>& drives) {
-  std::string joints, missing;
-  for (const auto& [joint, full_name, load, choice] : drives) {
+std::string json_of(const std::vector<DrivesOfPart>& parts, const std::vector<Planned>& drives) {
+  std::string files, joints, missing;
+  for (const auto& part : parts) files += (files.empty() ? "" : ",") + protocol::json_quoted(part.file);
+  for (const auto& [joint, full_name, load, choice, begins_limb] : drives) {
     joints += (joints.empty() ? "{" : ",{") + std::string("\"name\":") + protocol::json_quoted(joint.name) +
               ",\"class\":" + protocol::json_quoted(choice.servo->name) +
               ",\"kp\":" + number_text(choice.kp) + ",\"kd\":" + number_text(choice.kd) +
@@ -158,17 +217,24 @@ std::string json_of(const DrivesOptions& options, const std::vector<Planned>& dr
     for (const auto& one : choice.missing)
       missing += (missing.empty() ? "" : ",") + protocol::json_quoted(one);
   }
-  return "{\"written\":" + protocol::json_quoted(options.to) + ",\"joints\":[" + joints + "],\"missing\":[" +
-         missing + "]}";
+  return "{\"written\":" + protocol::json_quoted(parts[0].file) + ",\"files\":[" + files + "],\"joints\":[" +
+         joints + "],\"missing\":[" + missing + "]}";
 }
 
-void print(const DrivesOptions& options, const std::vector<Planned>& drives) {
-  for (const auto& [joint, full_name, load, choice] : drives)
+void print(const DrivesOptions& options, const std::vector<DrivesOfPart>& parts,
+           const std::vector<Planned>& drives) {
+  for (const auto& [joint, full_name, load, choice, begins_limb] : drives)
     std::cout << full_name << ": " << choice.servo->name << " (" << choice.servo->motor << "), ratio "
               << number_text(choice.ratio) << "\n";
   for (const auto& drive : drives)
     for (const auto& missing : drive.choice.missing) std::cout << missing << "\n";
-  std::cout << options.to << " is written" << (options.scene.empty() ? "" : ", and " + options.scene) << "\n";
+  if (parts.size() > 1)
+    std::cout << drives.size() << " drives make " << parts.size() << " parts: a part has at most "
+              << kMostDrives << ", like a bus\n";
+  std::string files;
+  for (const auto& part : parts) files += (files.empty() ? "" : ", ") + part.file;
+  std::cout << files << (parts.size() > 1 ? " are" : " is") << " written"
+            << (options.scene.empty() ? "" : ", and " + options.scene) << "\n";
 }
 
 int run(const DrivesOptions& options) {
@@ -177,13 +243,15 @@ int run(const DrivesOptions& options) {
   try {
     const auto scene = scene::load_any(options.from, options.of_scene);
     const auto drives = plan(scene, options.from);
-    const std::string around = options.scene.empty() ? "" : scene_text(options, scene);
-    write(options.to, file_text(options, drives));
+    const auto parts = divide(drives, options.to);
+    const std::string around = options.scene.empty() ? "" : scene_text(options, scene, parts);
+    for (const auto& part : std::span(parts).subspan(1)) refuse_existing(part.file, options.force);
+    for (const auto& part : parts) write(part.file, file_text(options, part.drives));
     if (!options.scene.empty()) write(options.scene, around);
     if (options.json)
-      std::cout << json_of(options, drives) << "\n";
+      std::cout << json_of(parts, drives) << "\n";
     else
-      print(options, drives);
+      print(options, parts, drives);
     return kPassed;
   } catch (const config::ConfigError& error) {
     if (options.json) print_wrong_as_json({error});
@@ -210,7 +278,8 @@ int write_drives(const Command& command) {
   app.add_flag("--json", output.json, "print one line of JSON");
   app.footer(
       "Each joint gets the smallest class that moves what hangs behind it at the model's speed, and gains "
-      "for the worst of a few poses. The file says how it was chosen.\n\nExample:\n  " +
+      "for the worst of a few poses. The file says how it was chosen. Beyond 31 joints there are several "
+      "parts, whose files are numbered: drives.yaml, drives_2.yaml.\n\nExample:\n  " +
       command.name +
       " robot.urdf -o drives.yaml --scene robot.yaml\n"
       "Exit codes: 0 the file is written, 2 bad usage or a file that exists or cannot be written, 3 the "

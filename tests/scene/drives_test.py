@@ -28,6 +28,19 @@ def scenario() -> dict:
                        {**port("Part State", below=2), "when": "always"}]}
 
 
+def limbs_of(counts: tuple[int, ...]) -> str:
+    """A robot on a base whose limbs have so many joints each."""
+    inertial = '<inertial><mass value="0.1"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>'
+    text = f'<robot name="many"><link name="base">{inertial}</link>'
+    for limb, count in enumerate(counts):
+        for i in range(count):
+            parent = "base" if i == 0 else f"link_{limb}_{i - 1}"
+            text += (f'<link name="link_{limb}_{i}">{inertial}</link><joint name="joint_{limb}_{i}" type="revolute">'
+                     f'<parent link="{parent}"/><child link="link_{limb}_{i}"/><origin xyz="0.02 0 0"/><axis xyz="0 0 1"/>'
+                     '<limit lower="-1" upper="1" effort="10" velocity="1"/></joint>')
+    return text + "</robot>"
+
+
 class Drives(unittest.TestCase):
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -63,6 +76,41 @@ class Drives(unittest.TestCase):
         # Outstretched, 7 kg at 0.2 m, 3 at 0.58, 1.2 at 0.81, 1.2 at 0.91 and 0.3 at 0.98 m: 5.5 kg m.
         comment = (self.folder / "drives.yaml").read_text().split("['lift']")[0].rsplit("# Behind it", 1)[1]
         self.assertIn("and 53.9 N·m of gravity", comment)
+
+    def test_more_joints_than_a_bus_has_modules_are_several_parts(self):
+        for limbs, counts in (((20, 15, 5), [20, 20]), ((40,), [31, 9]), ((31,), [31])):
+            (self.folder / "many.urdf").write_text(limbs_of(limbs))
+            done = self.visum("drives", "many.urdf", "-o", "drives.yaml", "--scene", "many.yaml", "--json", "--force")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            said = json.loads(done.stdout)
+            self.assertEqual(said["files"], ["drives.yaml", "drives_2.yaml"][:len(counts)])
+            self.assertEqual(said["written"], "drives.yaml")
+            self.assertEqual(len(said["joints"]), sum(counts))
+            files = [yaml.safe_load((self.folder / file).read_text())["drives"] for file in said["files"]]
+            self.assertEqual([len(drives) for drives in files], counts)
+            parts = yaml.safe_load((self.folder / "many.yaml").read_text())["parts"]
+            self.assertEqual([part["name"] for part in parts], ["many", "many_2"][:len(counts)])
+            if len(parts) > 1:
+                self.assertEqual([part["joints"] for part in parts],
+                                 [[drive["joints"][0] for drive in drives] for drives in files])
+            (self.folder / "move.yaml").write_text(yaml.safe_dump(
+                {"visum_scenario": 1, "name": "move", "scene": "many.yaml", "clock": "lockstep", "max_sim_s": 5,
+                 "until": {"at_s": 2},
+                 "timeline": [{"at_s": 0.1, "set": {"part": parts[-1]["name"], "port": f"Desired Angle {counts[-1]}",
+                                                    "value": 0.2}}],
+                 "checks": [{"that": {"port": {"part": parts[-1]["name"], "name": f"Actual Angle {counts[-1]}"},
+                                      "equals": 0.2, "within": 0.005}}]}))
+            ran = self.visum("run", "move.yaml")
+            self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+
+    def test_no_file_is_written_where_one_of_them_exists(self):
+        (self.folder / "many.urdf").write_text(limbs_of((40,)))
+        (self.folder / "drives_2.yaml").write_text("mine")
+        done = self.visum("drives", "many.urdf", "-o", "drives.yaml", "--scene", "many.yaml")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("'drives_2.yaml' exists already", done.stderr)
+        self.assertFalse((self.folder / "drives.yaml").exists() or (self.folder / "many.yaml").exists())
+        self.assertEqual((self.folder / "drives_2.yaml").read_text(), "mine")
 
     def test_a_file_that_exists_stays(self):
         (self.folder / "drives.yaml").write_text("mine")
