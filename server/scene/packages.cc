@@ -1,5 +1,6 @@
 #include "server/scene/packages.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
@@ -46,8 +47,9 @@ fs::path find_in_package(const std::string& name_and_rest, const fs::path& model
                          [](const fs::path& file) { return is_file(file) ? file : fs::path(); });
 }
 
-fs::path find_in_package(const std::string& name_and_rest, const fs::path& model_file,
-                         const Packages& packages, const AcceptPath& accept) {
+fs::path find_in_package(const std::string& written, const fs::path& model_file, const Packages& packages,
+                         const AcceptPath& accept) {
+  const std::string name_and_rest = written.substr(std::min(written.find_first_not_of('/'), written.size()));
   const std::size_t slash = name_and_rest.find('/');
   const std::string name = name_and_rest.substr(0, slash);
   const fs::path rest = slash == std::string::npos ? fs::path() : fs::path(name_and_rest.substr(slash + 1));

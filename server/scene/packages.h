@@ -19,8 +19,8 @@ struct Packages {
 Packages with_environment(Packages packages);
 
 // Finds "robot/meshes/arm.stl", where "robot" is a package: by its given path, in the folders above the model
-// (as a folder of that name, or one whose package.xml says so), then in `packages.folders`. Empty if there is
-// no such file.
+// (as a folder of that name, or one whose package.xml says so), then in `packages.folders`. Slashes in front,
+// as of "package:///robot/meshes/arm.stl", do not count. Empty if there is no such file.
 std::filesystem::path find_in_package(const std::string& name_and_rest,
                                       const std::filesystem::path& model_file, const Packages& packages);
 

@@ -123,6 +123,11 @@ TEST(Urdf, MeshesAreFoundInPackagesAboveTheModel) {
             kData / "meshes/wedge.stl");
   EXPECT_EQ(resolve_mesh("model://scene/data/wedge.obj", kData / "robot.urdf", {}, place),
             kData / "wedge.obj");
+  EXPECT_EQ(resolve_mesh("package:///scene/data/wedge.obj", kData / "robot.urdf", {}, place),
+            kData / "wedge.obj");
+  const Packages given{{{"shelf", kData / "meshes"}}, {}};
+  EXPECT_EQ(resolve_mesh("package:///shelf/wedge.stl", kData / "robot.urdf", given, place),
+            kData / "meshes/wedge.stl");
 }
 
 TEST(Urdf, SolidsWithTheSameNameAreKept) {
