@@ -293,17 +293,28 @@ double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < blocks_.size(); ++k) before_[k] = blocks_[k].applied;
   const double share = moment_ == kHit ? 0.0 : responses_.empty() ? kShare : kMechanismShare;
+  // A body that stands is thrown up by as much as it falls in flight.
+  const Vector3d still = moment_ == kAhead ? Vector3d(-0.5 * h_ * plant_.model.gravity) : Vector3d::Zero();
+  std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
+  const double rest_share = rest();
+  system_.may_freeze = moment_ != kHit && rest_share == 1.0;
   double missed = 0.0;
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
-                                       : rows_.solve(kMostSweeps, kEnough, share, rest());
+                                       : rows_.solve(kMostSweeps, kEnough, share, rest_share);
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;
   }
-  if (moment_ == kAhead) course_->rests = course_->rests && system_.rests;
+  if (moment_ == kAhead) {
+    course_->rests = course_->rests && system_.rests;
+    course_->frozen = course_->rests && system_.frozen;
+  }
   if (moment_ == kAfter)
-    for (const std::size_t i : plant_.islands.touches(island_)) plant_.touches[i].rested = system_.rests;
+    for (const std::size_t i : plant_.islands.touches(island_)) {
+      plant_.touches[i].rested = system_.rests;
+      plant_.touches[i].frozen = course_->frozen && system_.frozen;
+    }
   if (system_.changed) store_velocities();
   return missed;
 }

@@ -13,6 +13,7 @@ inline constexpr double kMostPush = 0.5;  // m/s
 // How an island's look-ahead was solved. It counts at the end of the step, too.
 struct Course {
   bool rests = true;    // nothing had to be solved
+  bool frozen = false;  // and the island stood still
   bool gently = false;  // solves by a few softened sweeps
 };
 

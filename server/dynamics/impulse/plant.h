@@ -119,6 +119,7 @@ struct Touch : TouchEnds {
   Vector3d turn;          // rad/s, angular velocity with which the contact's frame turns
   bool yields = false;    // one of the two bodies moves by another engine
   bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
+  bool frozen = false;    // its island stood still in this step, with the impulses of the last tick
   bool wedged = false;    // in this step: it yields, since nothing that the joints allow opens it
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())

@@ -168,9 +168,9 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
     const Touch& touch = plant.touches[i];
     const collision::Contact& contact = contacts[touch.contact];
     const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
-    // A sleeping contact keeps its record as it is.
+    // A contact that sleeps or stands keeps its record as it is, to the last bit.
     Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist, change = touch.kept_change;
-    if (!touch.asleep) {
+    if (!touch.asleep && !touch.frozen) {
       change.setZero();
       if (jointed) change = touch.frame * (touch.impulse[kAfter] - touch.impulse[kAhead]);
       impulse = to_start_from(touch, touch.impulse, jointed);

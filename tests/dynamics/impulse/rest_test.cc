@@ -4,16 +4,21 @@
 #include <cmath>
 
 #include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/contact_models.h"
 
 namespace visum::dynamics::testing {
 namespace {
 
+world::EngineSetting impulse() {
+  world::EngineSetting setting;
+  setting.name = "impulse";
+  return setting;
+}
+
 // On the way there its impulses stop it. The rest of that must not be answered by the next tick, and so on
 // for ever.
 TEST(Rest, ForcesOfWhatStandsStillNoLongerChange) {
-  world::EngineSetting setting;
-  setting.name = "impulse";
-  ModelBuilder b(setting);
+  ModelBuilder b(impulse());
   b.add_ground();
   b.add_box("below", {0.2, 0.2, 0.2}, 2.0, at(0, 0, 0.1));
   b.add_box("above", {0.1, 0.1, 0.1}, 1.0, at(0.02, 0, 0.25));
@@ -30,6 +35,65 @@ TEST(Rest, ForcesOfWhatStandsStillNoLongerChange) {
   }
   EXPECT_NEAR(last, 9.81, 1e-6);
   EXPECT_LT(changes, 50);
+}
+
+// What is left of its overlaps would otherwise move it for ever: by 1e-11 m/s, and with a solution in each
+// tick.
+TEST(Rest, AWallThatStandsStaysAsItIsToTheLastBit) {
+  for (const int side : {1, 10}) {
+    Lab lab(physics::standing_wall(impulse(), 1e-3, side));
+    lab.run(0.2);
+    const world::WorldState before = lab.state;
+    for (int tick = 0; tick < 200; ++tick) {
+      ASSERT_TRUE(lab.step().ok);
+      for (const auto& body : lab.state.bodies) {
+        ASSERT_EQ(body.v_WC, Eigen::Vector3d::Zero()) << tick;
+        ASSERT_EQ(body.w_WB, Eigen::Vector3d::Zero()) << tick;
+      }
+    }
+    EXPECT_TRUE(lab.state.engines == before.engines) << side;
+    for (std::size_t i = 0; i < before.bodies.size(); ++i) {
+      EXPECT_EQ(lab.state.bodies[i].p_WC, before.bodies[i].p_WC) << i;
+      EXPECT_EQ(lab.state.bodies[i].q_WB.coeffs(), before.bodies[i].q_WB.coeffs()) << i;
+    }
+    double weight = 0.0, carried = 0.0;  // N
+    for (const auto& body : lab.model.bodies)
+      if (!body.fixed) weight += 9.81 * body.mass_kg;
+    for (const auto& contact : lab.contacts)
+      if (!contact.body_a.valid() || lab.model.bodies[contact.body_a.index()].fixed)
+        carried -= contact.force_on_a_W.z();
+    EXPECT_NEAR(carried, weight, 1e-9 * weight) << side;
+  }
+}
+
+// A millionth of its weight moves a body that nothing holds, as far as it should.
+TEST(Rest, ASmallForceIsEnoughToBegin) {
+  ModelBuilder b(impulse());
+  b.add_ground();
+  b.add_box("puck", {0.2, 0.2, 0.1}, 1.0, at(0, 0, 0.05 - physics::kTouch));
+  b.model.surfaces.front().friction = 0.0;
+  Lab lab(b.model);
+  lab.run(0.2);
+  ASSERT_EQ(lab.body("puck").v_WC, Eigen::Vector3d::Zero());
+  const double force = 1e-6 * 9.81;  // N
+  lab.wrenches.push_back({lab.model.find_body("puck"), {force, 0, 0}, Eigen::Vector3d::Zero()});
+  const double start = lab.body("puck").p_WC.x();
+  lab.run(1.0);
+  EXPECT_NEAR(lab.body("puck").v_WC.x(), force, 1e-6 * force);
+  EXPECT_NEAR(lab.body("puck").p_WC.x() - start, 0.5 * force, 2e-3 * force);
+}
+
+// Nor is a slow motion taken for rest.
+TEST(Rest, ASlowBodySlidesOnWhereNothingRubs) {
+  ModelBuilder b(impulse());
+  b.add_ground();
+  b.add_box("puck", {0.2, 0.2, 0.1}, 1.0, at(0, 0, 0.05 - physics::kTouch));
+  b.model.surfaces.front().friction = 0.0;
+  Lab lab(b.model);
+  lab.run(0.5);
+  lab.body("puck").v_WC.x() = 1e-7;
+  lab.run(1.0);
+  EXPECT_NEAR(lab.body("puck").v_WC.x(), 1e-7, 1e-13);
 }
 
 }  // namespace

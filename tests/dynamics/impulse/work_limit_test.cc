@@ -275,7 +275,7 @@ TEST(WorkLimit, APileNearItTakesInexactAnswersFirst) {
 
 // It has 10,000 contacts, and its first tick needs 80 million units: more than a small scene may take.
 TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
-  Lab lab(physics::wall(impulse(0), 1e-3, 36, 36));
+  Lab lab(physics::falling_wall(impulse(0), 1e-3, 36));
   for (int tick = 0; tick < 2; ++tick) {
     const StepResult result = lab.step();
     EXPECT_FALSE(result.limited);

@@ -12,7 +12,8 @@ using dynamics::testing::ModelBuilder;
 
 namespace {
 
-constexpr double kEdge = 0.2;  // m, of every cube
+constexpr double kEdge = 0.2;           // m, of every cube
+constexpr double kBrick = 2.0 * kEdge;  // length of a brick; its other edges are kEdge
 
 ModelBuilder on_a_plane(const world::EngineSetting& engine, double tick_s) {
   ModelBuilder builder(engine);
@@ -64,14 +65,31 @@ world::WorldModel towers(const world::EngineSetting& engine, double tick_s, int 
   return builder.model;
 }
 
-world::WorldModel wall(const world::EngineSetting& engine, double tick_s, int rows, int columns) {
-  constexpr double kLength = 2.0 * kEdge, kGap = 1e-3;  // m
+world::WorldModel standing_wall(const world::EngineSetting& engine, double tick_s, int side) {
   ModelBuilder builder = on_a_plane(engine, tick_s);
-  for (int row = 0; row < rows; ++row)
-    for (int i = 0; i < columns; ++i)
+  for (int row = 0; row < side; ++row) {
+    const bool shifted = row % 2 == 1;
+    double end = 0.0;  // of the bricks that lie already, m
+    for (int i = 0; i < side + (shifted ? 1 : 0); ++i) {
+      const bool half = shifted && (i == 0 || i == side);
+      const double length = half ? 0.5 * kBrick : kBrick;
+      builder.add_box("brick_" + std::to_string(row) + "_" + std::to_string(i), {length, kEdge, kEdge},
+                      half ? 0.5 : 1.0,
+                      at(end + 0.5 * length, 0.0, kEdge * (row + 0.5) - kTouch * (row + 1)));
+      end += length;
+    }
+  }
+  return builder.model;
+}
+
+world::WorldModel falling_wall(const world::EngineSetting& engine, double tick_s, int side) {
+  constexpr double kGap = 1e-3;  // m
+  ModelBuilder builder = on_a_plane(engine, tick_s);
+  for (int row = 0; row < side; ++row)
+    for (int i = 0; i < side; ++i)
       builder.add_box(
-          "brick_" + std::to_string(row * columns + i), {kLength, kEdge, kEdge}, 1.0,
-          at((kLength + kGap) * (i + 0.5 * (row % 2)), 0.0, kEdge * (row + 0.5) - kTouch * (row + 1)));
+          "brick_" + std::to_string(row * side + i), {kBrick, kEdge, kEdge}, 1.0,
+          at((kBrick + kGap) * (i + 0.5 * (row % 2)), 0.0, kEdge * (row + 0.5) - kTouch * (row + 1)));
   return builder.model;
 }
 

@@ -17,9 +17,13 @@ world::WorldModel stack(const world::EngineSetting& engine, double tick_s, int c
 // `count` such stacks of `height` cubes side by side, 1 m apart, in a square.
 world::WorldModel towers(const world::EngineSetting& engine, double tick_s, int count, int height);
 
-// `rows` rows of bricks of 0.4 x 0.2 x 0.2 m and 1 kg, `columns` in a row. Every other row is shifted by half
-// a brick, so each brick stands on two.
-world::WorldModel wall(const world::EngineSetting& engine, double tick_s, int rows, int columns);
+// `side` rows of `side` bricks of 0.4 x 0.2 x 0.2 m and 1 kg. Every other row is shifted by half a brick, and
+// begins and ends with half a brick of 0.5 kg, so each brick rests on two: the wall stands.
+world::WorldModel standing_wall(const world::EngineSetting& engine, double tick_s, int side);
+
+// The same rows of whole bricks alone, 1 mm apart. The last bricks of shifted rows hang half over the end;
+// they tip within half a second, and the rows above them follow.
+world::WorldModel falling_wall(const world::EngineSetting& engine, double tick_s, int side);
 
 // `count` heaps, `pitch` m apart in a row, each of `boxes` cubes of 0.2 m and 1 kg. The cubes hang in layers
 // over each other, each shifted and turned a little in its own way, then fall.

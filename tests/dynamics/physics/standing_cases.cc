@@ -21,23 +21,8 @@ double farthest(const Lab& lab) {
   return moved;
 }
 
-// A wall of bricks, each of which rests on two: every other row begins and ends with half a brick.
 std::vector<double> stand_as_a_wall(const world::EngineSetting& engine, int side, double seconds) {
-  constexpr double kLength = 0.4, kHeight = 0.2;
-  ModelBuilder b(engine);
-  b.add_ground();
-  for (int row = 0; row < side; ++row) {
-    const bool shifted = row % 2 == 1;
-    double end = 0.0;  // of the bricks that lie already
-    for (int i = 0; i < side + (shifted ? 1 : 0); ++i) {
-      const bool half = shifted && (i == 0 || i == side);
-      const double length = half ? 0.5 * kLength : kLength;
-      b.add_box("brick_" + std::to_string(row) + "_" + std::to_string(i), {length, 0.2, kHeight},
-                half ? 0.5 : 1.0, at(end + 0.5 * length, 0.0, kHeight * (row + 0.5) - kTouch * (row + 1)));
-      end += length;
-    }
-  }
-  Lab lab(b.model);
+  Lab lab(standing_wall(engine, 1e-3, side));
   lab.run(seconds);
   return {farthest(lab)};
 }
