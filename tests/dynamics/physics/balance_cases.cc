@@ -117,15 +117,69 @@ std::vector<double> shoot_at_a_plate(const world::EngineSetting& engine) {
   return {worst, momentum, passed};
 }
 
+// The velocity of the point of a body that is at p_W now, with the velocities of `state`.
+Vector3d velocity_at(const world::WorldState& now, const world::WorldState& state, world::BodyId body,
+                     const Vector3d& p_W) {
+  const auto& moves = state.bodies[body.index()];
+  return moves.v_WC + moves.w_WB.cross(p_W - now.bodies[body.index()].p_WC);
+}
+
+// The work of the last tick's contact forces and joint efforts, J, at the mean of the velocities before and
+// after it.
+double work_of_tick(const Lab& lab, const world::WorldState& before) {
+  double work = 0.0;
+  for (const world::WorldState* state : {&before, &lab.state}) {
+    for (const auto& contact : lab.contacts)
+      work += 0.5 * lab.tick_s() *
+              contact.force_on_a_W.dot(velocity_at(before, *state, contact.body_a, contact.p_W) -
+                                       velocity_at(before, *state, contact.body_b, contact.p_W));
+    for (std::size_t i = 0; i < state->joints.size(); ++i)
+      work += 0.5 * lab.tick_s() * lab.state.joints[i].effort * state->joints[i].velocity;
+  }
+  return work;
+}
+
+bool is_at_a_stop(const world::WorldModel& model, const world::WorldState& state) {
+  constexpr double kNear = 0.01;  // rad; a tick at 10 rad/s
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const world::Joint& joint = model.joints[i];
+    const double q = state.joints[i].position;
+    if (joint.limited && (q < joint.lower + kNear || q > joint.upper - kNear)) return true;
+  }
+  return false;
+}
+
 // Eleven parts fall from half a metre: nothing drives them, so the energy falls, and rises by no more than it
 // takes to lift what has sunk in.
+//
+// It may lose no more than contacts and friction take. Up to 0.5 s, when the first leg has landed, it has a
+// course that converges: ticks of 0.1, 0.05 and 0.025 ms agree to 0.2 %. `ode` comes to 0.979 of it in ticks
+// of 0.05 ms; its friction is a pyramid. Later the course is chaotic. There the loss is held against the work
+// of the forces that the engine reports, in all ticks in which no joint is at a stop, since a stop's impulse
+// is not reported. What is left without an explanation falls with the tick: 0.013, 0.011 and 0.0014 of the
+// energy of the fall in ticks of 1, 0.5 and 0.1 ms.
 std::vector<double> fall_as_a_ragdoll(const world::EngineSetting& engine) {
+  constexpr double kHeight = 0.5, kSoon = 0.5, kLostSoon = 0.4955;  // m; s, and m times the weight
   Lab lab(falling_ragdolls(engine, 1e-3, 1));
   double weight = 0.0;
   for (const auto& body : lab.model.bodies)
     if (!body.fixed) weight += kG * body.mass_kg;
-  const double rise = watch_energy_rise(lab, 1.5) / (0.5 * weight);
-  return {rise, max_gap(lab.model, lab.state)};
+  const double start = energy_of(lab.model, lab.state);
+  double energy = start, least = start, rise = 0.0, lost_soon = 0.0, unexplained = 0.0, time = 0.0;
+  world::WorldState before = lab.state;
+  watch(lab, 1.5, [&] {
+    time += lab.tick_s();
+    const double now = energy_of(lab.model, lab.state);
+    rise = std::max(rise, now - least);
+    least = std::min(least, now);
+    if (std::abs(time - kSoon) < 0.5 * lab.tick_s()) lost_soon = start - now;
+    if (!is_at_a_stop(lab.model, before) && !is_at_a_stop(lab.model, lab.state))
+      unexplained += std::max(0.0, energy + work_of_tick(lab, before) - now);
+    energy = now;
+    before = lab.state;
+  });
+  return {rise / (kHeight * weight), max_gap(lab.model, lab.state),
+          std::abs(lost_soon / (kLostSoon * weight) - 1.0), unexplained / (kHeight * weight)};
 }
 
 }  // namespace
@@ -154,8 +208,9 @@ std::vector<Case> balance_cases() {
        shoot_at_a_plate},
       {"K16",
        "FallingFigureGainsNoEnergy",
-       "closed form: E falls, and rises by no more than it takes to lift what has sunk in",
-       {{"rise", 6e-3}, {"gap_m", 1e-5}},
+       "closed form: E rises by no more than lifts what has sunk in, falls by no more than contacts and "
+       "friction take; ticks of 0.025 ms up to 0.5 s",
+       {{"rise", 6e-3}, {"gap_m", 1e-5}, {"lost_05s", 0.02}, {"unexplained_loss", 0.02}},
        fall_as_a_ragdoll},
   };
 }

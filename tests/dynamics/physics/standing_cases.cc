@@ -108,48 +108,91 @@ std::vector<double> stand_as_a_house(const world::EngineSetting& engine) {
   return {farthest(lab)};
 }
 
-struct Dominoes {
-  double standing = 0.0;  // how many still stand
-  double rise = 0.0;      // of the energy
-};
+constexpr int kDominoes = 10;
+constexpr double kDominoHeight = 0.08, kDominoThick = 0.01, kDominoKg = 0.05;
+// Energies are divided by what all of them have where they stand.
+constexpr double kStandingEnergy = kDominoes * kDominoKg * kG * 0.5 * kDominoHeight;
 
-// Ten dominoes; the first is pushed over its edge. Each tips the next. Nothing drives them: energy falls, and
-// rises by no more than it takes to lift what has sunk in.
-Dominoes tip_dominoes(const world::EngineSetting& engine, double pitch) {
-  constexpr int kCount = 10;
-  constexpr double kHeight = 0.08, kThick = 0.01, kKg = 0.05;
+// The first domino is pushed over its edge. Each tips the next.
+Lab row_of_dominoes(const world::EngineSetting& engine, double pitch) {
   ModelBuilder b(engine);
   const auto surface = b.add_surface(0.5, 0.0);
   b.add_ground(surface);
-  for (int i = 0; i < kCount; ++i)
-    b.add_box("domino_" + std::to_string(i), {kThick, 0.04, kHeight}, kKg,
-              at(pitch * i, 0.0, 0.5 * kHeight - kTouch), surface);
+  for (int i = 0; i < kDominoes; ++i)
+    b.add_box("domino_" + std::to_string(i), {kDominoThick, 0.04, kDominoHeight}, kDominoKg,
+              at(pitch * i, 0.0, 0.5 * kDominoHeight - kTouch), surface);
   // Enough to lift the centre of mass over the edge, and half as much again.
-  const double over = std::hypot(0.5 * kHeight, 0.5 * kThick) - 0.5 * kHeight;
-  const double about_edge = kKg * (kHeight * kHeight + kThick * kThick) / 3.0;
-  const double turn = std::sqrt(1.5 * 2.0 * kKg * kG * over / about_edge);
+  const double over = std::hypot(0.5 * kDominoHeight, 0.5 * kDominoThick) - 0.5 * kDominoHeight;
+  const double about_edge = kDominoKg * (kDominoHeight * kDominoHeight + kDominoThick * kDominoThick) / 3.0;
+  const double turn = std::sqrt(1.5 * 2.0 * kDominoKg * kG * over / about_edge);
   b.model.bodies[1].w_WB = {0.0, turn, 0.0};
-  b.model.bodies[1].v_WB = Vector3d(0.0, turn, 0.0).cross(Vector3d(-0.5 * kThick, 0.0, 0.5 * kHeight));
-  Lab lab(b.model);
-  const double scale = kCount * kKg * kG * 0.5 * kHeight;
-  Dominoes found{.rise = watch_energy_rise(lab, 2.0) / scale};
-  for (int i = 0; i < kCount; ++i)
-    found.standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kHeight;
+  b.model.bodies[1].v_WB =
+      Vector3d(0.0, turn, 0.0).cross(Vector3d(-0.5 * kDominoThick, 0.0, 0.5 * kDominoHeight));
+  return Lab(b.model);
+}
+
+// Where no domino has slid, all but the last lean on the next, face on face, with cos a = thickness / pitch;
+// the last lies flat.
+double lying_energy(double pitch) {
+  const double cosine = kDominoThick / pitch, sine = std::sqrt(1.0 - cosine * cosine);
+  const double leaning = 0.5 * (kDominoHeight * cosine + kDominoThick * sine);
+  return kDominoKg * kG * ((kDominoes - 1) * leaning + 0.5 * kDominoThick) / kStandingEnergy;
+}
+
+struct Dominoes {
+  double standing = 0.0;  // how many still stand
+  double rise = 0.0;      // of the energy
+  double arrival = 0.0;   // s: when the last one has turned by 30°
+  double lost = 0.0;      // energy after 0.7 s, while the last one falls
+  double rests = 0.0;     // energy at the end
+};
+
+// Nothing drives them: energy falls, and rises by no more than it takes to lift what has sunk in.
+Dominoes tip_dominoes(const world::EngineSetting& engine, double pitch) {
+  constexpr double kLost = 0.7, kEnd = 2.0;  // s
+  Lab lab = row_of_dominoes(engine, pitch);
+  const auto energy = [&lab] { return energy_of(lab.model, lab.state) / kStandingEnergy; };
+  const std::string last = "domino_" + std::to_string(kDominoes - 1);
+  Dominoes found{.arrival = kEnd};
+  const double start = energy();
+  double least = start, time = 0.0;
+  watch(lab, kEnd, [&] {
+    time += lab.tick_s();
+    const double now = energy();
+    found.rise = std::max(found.rise, now - least);
+    least = std::min(least, now);
+    if (std::abs(time - kLost) < 0.5 * lab.tick_s()) found.lost = start - now;
+    const double upright = (lab.body(last).q_WB * Vector3d::UnitZ()).z();
+    if (upright < std::cos(30.0 * kDegree)) found.arrival = std::min(found.arrival, time);
+  });
+  found.rests = energy();
+  for (int i = 0; i < kDominoes; ++i)
+    found.standing += lab.body("domino_" + std::to_string(i)).p_WC.z() > 0.9 * 0.5 * kDominoHeight;
   return found;
 }
 
 // Five rows of dominoes that stand some 3 cm apart. The rise depends on when in a tick each domino lands, by
 // a factor of up to ten from one pitch to the next, so that the median says more than the largest.
+//
+// They may lose no more than hits and friction take. The references are `impulse` in ticks of 0.1, 0.05 and
+// 0.025 ms, which agree to 0.2 %; `ode` in ticks of 0.05 ms comes to them within 1.1 % (time) and 0.4 %
+// (energy). In ticks of 1 ms each of nine hits comes half a tick late in the mean, which is 0.6 % of the
+// time.
 std::vector<double> fall_as_dominoes(const world::EngineSetting& engine) {
-  double standing = 0.0;
+  constexpr double kArrival = 0.7128;  // s, at each of the pitches
+  const auto lost_at = [](double pitch) { return 0.2496 + 15.3 * (pitch - 0.03); };
+  double standing = 0.0, late = 0.0, lost = 0.0, rests = 0.0;
   std::vector<double> rises;
   for (const double pitch : {0.0298, 0.0299, 0.03, 0.0301, 0.0302}) {
     const Dominoes found = tip_dominoes(engine, pitch);
     standing += found.standing;
     rises.push_back(found.rise);
+    late = std::max(late, std::abs(found.arrival / kArrival - 1.0));
+    lost = std::max(lost, std::abs(found.lost / lost_at(pitch) - 1.0));
+    rests = std::max(rests, std::abs(found.rests - lying_energy(pitch)));
   }
   std::ranges::sort(rises);
-  return {standing, rises[2], rises.back()};
+  return {standing, rises[2], rises.back(), late, lost, rests};
 }
 
 // A ball of 2 cm whose centre of mass lies 3 mm below its centre, spun fast and a little tilted, turns over.
@@ -203,8 +246,14 @@ std::vector<Case> standing_cases() {
       {"K19", "HouseOfSevenCardsStands", still, {{"moved_m", 1e-5}}, stand_as_a_house},
       {"K20",
        "DominoesTipEachOther",
-       "closed form: all fall, E falls, and rises by no more than it takes to lift what has sunk in",
-       {{"standing", 0.0}, {"rise", 6e-3}, {"largest_rise", 6e-3}},
+       "closed form: all fall, E rises by no more than lifts what has sunk in, and ends as that of leaning "
+       "dominoes; ticks of 0.025 ms in between",
+       {{"standing", 0.0},
+        {"rise", 6e-3},
+        {"largest_rise", 6e-3},
+        {"arrival", 0.01},
+        {"lost_07s", 0.02},
+        {"rest_energy", 0.01}},
        fall_as_dominoes},
       {"K21",
        "TippeTopTurnsOver",
