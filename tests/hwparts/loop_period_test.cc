@@ -38,8 +38,9 @@ TEST(LoopPeriod, DecidesTheMotionAndTheTickDoesNot) {
   const auto fine = way(0.0001, 0.004);
   const double coarse_tick = distance(way(0.001, 0.004), fine);
   const double other_loop = distance(way(0.0001, 0.0001), fine);
-  EXPECT_LT(coarse_tick, 0.25 * other_loop);
-  EXPECT_LT(distance(way(0.0005, 0.004), fine), 0.6 * coarse_tick) << "it converges with the tick";
+  EXPECT_LT(coarse_tick, 0.01 * other_loop);
+  // By first order (0.5 - 0.1) / (1 - 0.1) = 0.44 of it is left.
+  EXPECT_LT(distance(way(0.0005, 0.004), fine), 0.5 * coarse_tick) << "it converges with the tick";
 }
 
 TEST(LoopPeriod, OfOneTickIsTheLoopOfEachTick) {
