@@ -260,8 +260,8 @@ TEST(MechanismRows, VehiclesAreSolvedOnFewAndOnManyWheels) {
 }
 
 // In a wide bend, wheels whose speeds are held creep by less than a millimetre per second, and all slide.
-// What shakes the vehicle a little asks one wheel or another to stick. Would it stick in Newton's first pass,
-// more passes would have to follow.
+// A little shaking makes the row of one wheel or another say that it sticks. If it stuck in Newton's first
+// pass, more passes would have to follow.
 TEST(MechanismRows, CreepingWheelsSlideOn) {
   constexpr std::uint64_t kMostWork = 600;  // they take at most 445; without that 876, and 602 in the mean
   constexpr Fleet kFleet{.wheel_inertia = 1000.0};
