@@ -100,6 +100,32 @@ class Exchanges(unittest.TestCase):
                 client.leave()
                 self.assertEqual(counted.sent, 4)
 
+    def test_a_read_right_after_an_advance_in_lockstep_is_free(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            client.join()
+            counted = client.connection._socket = CountingSocket(client.connection._socket)
+            arm.read()
+            self.assertEqual(counted.sent, 1, "no advance was made yet")
+            desired, in_force = arm.inputs("Desired Angle"), arm.inputs("Desired Angle")[0]
+            # A call between an advance and a read, and the messages of all three.
+            for between, sent in ((lambda: None, 1), (arm.read, 2), (client.part_names, 3), (lambda: desired.set([0.5] * 7), 2)):
+                before = counted.sent
+                client.advance_ticks(1)
+                between()
+                arm.read()
+                self.assertEqual((counted.sent - before, arm.sample_tick), (sent, client.tick))
+            self.assertEqual(desired[0], in_force, "what was set without the lease is forgotten")
+
+    def test_without_a_lockstep_a_read_asks(self):
+        with Daemon("--clock", "free") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            client.join()
+            client.advance_ticks(1)
+            counted = client.connection._socket = CountingSocket(client.connection._socket)
+            arm.read()
+            self.assertEqual(counted.sent, 1)
+
     def test_without_a_lockstep_a_write_leaves_at_once(self):
         with Daemon("--clock", "free") as daemon, visum.Client(daemon.connect) as client:
             arm = client.part("arm")

@@ -185,6 +185,8 @@ class Client:
             refusal = refusal or refusal_of(sample)
             if sample.WhichOneof("body") == "part_sample":
                 part.apply(sample.part_sample)
+                if self._holds_world:
+                    part.note_brought()
         if refusal:
             raise refusal
 

@@ -180,6 +180,11 @@ class Connection:
     def closed(self) -> bool:
         return self._socket.fileno() < 0
 
+    @property
+    def requests(self) -> int:
+        """How many were made so far, also those that wait to be sent."""
+        return self._next_id - 1
+
     def send(self, **request: Message) -> int:
         """Sends one request, named as in ClientMessage, and returns the number for take() or wait()."""
         number = self.send_along(request_bytes(**request))

@@ -54,6 +54,7 @@ class Part:
         self.sample_tick = 0
         self.sample_time_ns = 0
         self._era = 0
+        self._brought_at = 0
         self.leased = False
         self._forget_writes()
         self.read()
@@ -86,7 +87,11 @@ class Part:
             self._client.post_write(pb.Write(part=self.name, first_port=first, values=run))
 
     def read(self) -> None:
-        """Brings the outputs up to date, in one round trip."""
+        """Brings the outputs up to date, in one round trip. Right after an advance in lockstep it is free: the advance has
+        brought them, and the world stands since."""
+        if self._client.connection.requests == self._brought_at and not self._staged:
+            self._brought_at = 0  # a second read asks, since other clients may have changed something
+            return
         number = self._client.connection.send(read=pb.Read(part=self.name))
         refusal = self._client.settle()
         reply = self._client.connection.take(number)
@@ -105,6 +110,10 @@ class Part:
             self.input_values[index] = value
         self._outputs = sample.sensor_outputs
         self.sample_tick, self.sample_time_ns, self._era = sample.tick, sample.sim_time_ns, sample.era
+
+    def note_brought(self) -> None:
+        """The newest sample is of now, as long as the client sends no further request."""
+        self._brought_at = self._client.connection.requests
 
     def disown(self, indices: Iterable[int]) -> None:
         """Forgets writes that were refused: the next sample has the values in force."""
