@@ -34,6 +34,8 @@ class Session {
   virtual const std::string& client_name() const = 0;  // "" before hello
   virtual const std::string& peer() const = 0;         // "127.0.0.1:43210", or "a Unix socket"
   virtual Role role() const = 0;
+  // The bytes in the frame of the request that is being handled, without the length in front.
+  virtual std::size_t request_bytes() const = 0;
   // The name in the certificate that the client showed; "" if it showed none.
   virtual std::string identity() const { return {}; }
 

@@ -162,6 +162,7 @@ void SessionCore::handle(std::span<const std::byte> payload) {
     if (phase_ == Phase::kHello) return handle_hello(frame->id, frame->request);
     if (std::holds_alternative<Hello>(frame->request))
       return refuse(frame->id, {ErrorCode::kMalformed, "a second Hello", {}});
+    request_bytes_ = payload.size();
     guarded(frame->id, [&] { context_.handler.on_request(*this, frame->id, frame->request); });
   });
 }

@@ -37,6 +37,7 @@ class SessionCore : public Session {
   const std::string& client_name() const override { return client_name_; }
   const std::string& peer() const override { return peer_; }
   Role role() const override { return role_; }
+  std::size_t request_bytes() const override { return request_bytes_; }
   void send(std::uint64_t reply_to, const Reply& reply) override;
   bool behind() const override;
   bool send_latest(std::uint32_t stream, const Reply& sample) override;
@@ -114,6 +115,7 @@ class SessionCore : public Session {
   std::string client_name_;
   std::optional<ClientLog> log_;  // once a role is granted
   Role role_ = Role::kUnspecified;
+  std::size_t request_bytes_ = 0;
   Phase phase_ = Phase::kHello;
   CloseReason reason_ = CloseReason::kGoodbye;
   bool granted_ = false;

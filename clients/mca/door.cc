@@ -15,7 +15,6 @@ using std::chrono::milliseconds;
 
 namespace {
 
-constexpr std::size_t kMostBacklog = 64;
 constexpr std::uint32_t kSampleStream = 1;
 constexpr const char* kAskTheServer = "ask the Visum server that the controller is connected to";
 constexpr double kFar = 1e15;  // MCA2 knows no ranges; a port takes every number up to here
@@ -165,23 +164,23 @@ protocol::Role Door::on_hello(protocol::Session& session, const protocol::Hello&
 void Door::on_request(protocol::Session& session, std::uint64_t id, const protocol::Request& request) {
   Peer& peer = peers_.at(session.id());
   if (!peer.advancing && peer.backlog.empty()) return dispatch(peer, id, request);
-  if (peer.backlog.size() >= kMostBacklog)
-    return fail(peer, id, Code::kBusy, "too many requests behind one that waits");
-  peer.backlog.emplace_back(id, request);
+  const std::size_t bytes = session.request_bytes();
+  if (const auto why = peer.backlog.refuse(bytes); !why.empty()) return fail(peer, id, Code::kBusy, why);
+  peer.backlog.push({id, request, bytes});
 }
 
 void Door::work_off(Peer& peer) {
   while (!peer.advancing && !peer.backlog.empty() && !peer.session->behind()) {
-    const auto [id, request] = std::move(peer.backlog.front());
-    peer.backlog.pop_front();
+    const auto [id, request, bytes] = peer.backlog.take();
     dispatch(peer, id, request);
   }
 }
 
 void Door::on_close(protocol::Session& session, protocol::CloseReason) {
   Peer& peer = peers_.at(session.id());
-  for (peer.advancing.reset(); !peer.backlog.empty(); peer.backlog.pop_front()) {
-    const auto& [id, request] = peer.backlog.front();
+  peer.advancing.reset();
+  while (!peer.backlog.empty()) {
+    const auto [id, request, bytes] = peer.backlog.take();
     if (!std::holds_alternative<protocol::Advance>(request)) dispatch(peer, id, request);
   }
   if (holder_ == session.id()) lost_ = "'" + session.client_name() + "' is gone without a release";

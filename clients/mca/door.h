@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/backlog.h"
 #include "protocol/module_board.h"
 #include "protocol/server.h"
 
@@ -75,7 +75,7 @@ class Door : public protocol::SessionHandler {
     std::optional<std::uint32_t> every;      // subscribed: a sample each so many cycles
     std::int64_t sampled = 0;
     Clock::duration patience{};
-    std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
+    protocol::Backlog backlog;
   };
 
   void dispatch(Peer& peer, std::uint64_t id, const protocol::Request& request);

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "protocol/backlog.h"
 #include "protocol/server.h"
 #include "server/gateway/event_feed.h"
 
@@ -22,7 +22,7 @@ struct Client {
   std::optional<protocol::EventLevel> events;  // the least level that it wants to hear of; nothing: none
   bool holds_bodies = false;                   // has pulled a body, or moved a kinematic one
   std::optional<std::int64_t> step_until;      // a gate holds the first of the backlog until this tick
-  std::deque<std::pair<std::uint64_t, protocol::Request>> backlog;
+  protocol::Backlog backlog;
 };
 
 // All clients, in the order of their sessions' numbers, which makes the order of replies and events the same

@@ -110,16 +110,16 @@ void Gateway::on_request(protocol::Session& session, std::uint64_t id, const pro
   holdup_.look(Holdup::Clock::now());
   look_at_world();
   work_off(*client);
+  const std::size_t bytes = session.request_bytes();
   if (!client->waiting && client->backlog.empty() && !is_deferred(*client, request)) {
-    if (!holds(*client, id, request)) dispatch(*client, id, request);
-  } else if (client->backlog.size() < kMaxBacklog) {
+    if (!holds(*client, id, request, bytes)) dispatch(*client, id, request);
+  } else if (auto why = client->backlog.refuse(bytes); why.empty()) {
     if (is_emergency_stop(request) && world_.steering_part.empty())
       settings_.press_early(std::get<protocol::SetParameter>(request));
-    client->backlog.emplace_back(id, request);
+    client->backlog.push({id, request, bytes});
   } else {
     clients_.count_refusal();
-    session.send(
-        id, protocol::Error{ErrorCode::kBusy, "too many requests behind one that waits for the world", {}});
+    session.send(id, protocol::Error{ErrorCode::kBusy, std::move(why), {}});
   }
   note_next_due();
 }
@@ -160,28 +160,26 @@ void Gateway::work_off_backlogs() {
 
 void Gateway::work_off(Client& client) {
   while (!client.waiting && !client.backlog.empty() && !client.session->behind() &&
-         !is_deferred(client, client.backlog.front().second)) {
-    const auto [id, request] = std::move(client.backlog.front());
-    client.backlog.pop_front();
-    if (!holds(client, id, request)) dispatch(client, id, request);
+         !is_deferred(client, client.backlog.front().request)) {
+    const auto [id, request, bytes] = client.backlog.take();
+    if (!holds(client, id, request, bytes)) dispatch(client, id, request);
   }
 }
 
 void Gateway::work_off_at_goodbye(Client& client) {
   client.step_until.reset();
   while (!client.backlog.empty()) {
-    const auto [id, request] = std::move(client.backlog.front());
-    client.backlog.pop_front();
+    const auto [id, request, bytes] = client.backlog.take();
     if (!std::holds_alternative<protocol::Advance>(request)) dispatch(client, id, request);
   }
 }
 
-bool Gateway::holds(Client& client, std::uint64_t id, const protocol::Request& request) {
+bool Gateway::holds(Client& client, std::uint64_t id, const protocol::Request& request, std::size_t bytes) {
   const auto until = lockstep_.hold(*client.session, request, *now_);
   if (!until) return false;
   client.step_until = until;
   client.waiting = true;
-  client.backlog.emplace_front(id, request);
+  client.backlog.put_first({id, request, bytes});
   return true;
 }
 
@@ -190,8 +188,7 @@ void Gateway::release(Client& client) {
   if (client.session->behind()) return;
   client.step_until.reset();
   client.waiting = false;
-  const auto [id, request] = std::move(client.backlog.front());
-  client.backlog.pop_front();
+  const auto [id, request, bytes] = client.backlog.take();
   dispatch(client, id, request);
 }
 
@@ -282,7 +279,7 @@ void Gateway::follow_eras() {
   for (auto& [id, client] : clients_.all()) {
     if (!client.step_until) continue;
     client.step_until = now.tick;
-    lockstep_.begin_cycle_with(*client.session, client.backlog.front().second);
+    lockstep_.begin_cycle_with(*client.session, client.backlog.front().request);
   }
   const bool loaded = std::exchange(scene_told_, now.table->scene_number) != now.table->scene_number;
   clients_.broadcast(

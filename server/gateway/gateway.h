@@ -100,16 +100,14 @@ class Gateway : public protocol::SessionHandler {
   }
 
  private:
-  static constexpr std::size_t kMaxBacklog = 64;
-
   // Takes the newest copy of the world, of which everything is answered until the next call from outside.
   void look_at_world();
   // Takes over the parts that the copy in use has, where models came or went.
   void follow_parts();
   // Hands the request to the class that handles it, unless the client may not ask for that.
   void dispatch(Client& client, std::uint64_t id, const protocol::Request& request);
-  // True: a gate holds the request at the head of the backlog, until the world has run its period.
-  bool holds(Client& client, std::uint64_t id, const protocol::Request& request);
+  // True: a gate holds the request, at the head of the backlog, until the world has run its period.
+  bool holds(Client& client, std::uint64_t id, const protocol::Request& request, std::size_t bytes);
   // True: this request waits until the tick is over.
   bool is_deferred(const Client& client, const protocol::Request& request) {
     return relieved_ && lockstep_.waits_for_tick(*client.session, request);

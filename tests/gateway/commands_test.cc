@@ -21,6 +21,7 @@ class AdminSession final : public protocol::Session {
   const std::string& client_name() const override { return name_; }
   const std::string& peer() const override { return name_; }
   protocol::Role role() const override { return protocol::Role::kAdmin; }
+  std::size_t request_bytes() const override { return 0; }
   void send(std::uint64_t reply_to, const protocol::Reply& reply) override { replies[reply_to] = reply; }
   bool send_latest(std::uint32_t, const protocol::Reply&) override { return true; }
   bool behind() const override { return false; }

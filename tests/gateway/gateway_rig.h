@@ -27,6 +27,7 @@ class NotedSession final : public protocol::Session {
   const std::string& client_name() const override { return name_; }
   const std::string& peer() const override { return name_; }
   protocol::Role role() const override { return role_; }
+  std::size_t request_bytes() const override { return next_request_bytes; }
   void send(std::uint64_t reply_to, const protocol::Reply& reply) override {
     if (const auto* event = std::get_if<protocol::Event>(&reply)) return events.push_back(*event);
     replies.emplace_back(reply_to, reply);
@@ -42,6 +43,7 @@ class NotedSession final : public protocol::Session {
   std::vector<protocol::Event> events;
   std::size_t room = ~std::size_t{0};  // replies
   bool holds_back = false;
+  std::size_t next_request_bytes = 0;  // as if the request had come in a frame of so many
 
  private:
   const std::uint64_t id_;
