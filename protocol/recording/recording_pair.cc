@@ -80,21 +80,34 @@ void RecordingPair::compare_settings() {
   note("parameters", a.parameters, b.parameters);
   note("version", a.build.version + " " + a.build.commit, b.build.version + " " + b.build.commit);
   note("compiler", a.build.compiler, b.build.compiler);
-  // Files of two folders may have one name. They stand in the order of their folders.
-  std::map<std::string, std::vector<std::uint32_t>> crcs;
-  for (const auto& file : a.files) crcs[std::filesystem::path(file.name).filename()].push_back(file.crc);
-  std::map<std::string, std::size_t> seen;
-  for (const auto& file : b.files) {
-    const std::string name = std::filesystem::path(file.name).filename();
-    const auto& of_a = crcs[name];
-    const auto number = seen[name]++;
-    if (number < of_a.size() && of_a[number] != file.crc)
-      settings_.push_back("file " + name + ": not the same content");
-  }
+  compare_files();
   if (a.tick_ns != b.tick_ns)
     throw config::ConfigError({}, "their ticks have different lengths (" + std::to_string(a.tick_ns) +
                                       " and " + std::to_string(b.tick_ns) +
                                       " ns), so no tick of one is one of the other");
+}
+
+// Files of two folders may have one name. They stand in the order of their folders.
+void RecordingPair::compare_files() {
+  std::map<std::string, std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>> crcs;
+  const auto name_of = [](const FileEntry& file) {
+    return std::filesystem::path(file.name).filename().string();
+  };
+  for (const auto& file : a_.file.header().files) crcs[name_of(file)].first.push_back(file.crc);
+  for (const auto& file : b_.file.header().files) crcs[name_of(file)].second.push_back(file.crc);
+  const auto before = settings_.size();
+  for (const auto& [name, of] : crcs) {
+    const auto& [in_a, in_b] = of;
+    for (std::size_t i = 0; i < std::max(in_a.size(), in_b.size()); ++i) {
+      if (i >= in_b.size())
+        settings_.push_back("file " + name + ": in A only");
+      else if (i >= in_a.size())
+        settings_.push_back("file " + name + ": in B only");
+      else if (in_a[i] != in_b[i])
+        settings_.push_back("file " + name + ": not the same content");
+    }
+  }
+  same_files_ = settings_.size() == before;
 }
 
 // The descriptions of all parts come before the first tick; those of parts that come later are not compared.

@@ -55,6 +55,8 @@ class RecordingPair {
   const std::vector<std::string>& only_b() const { return only_b_; }
   // How the worlds were made differently: "engine: impulse, ode".
   const std::vector<std::string>& settings() const { return settings_; }
+  // False: the files of the scene are not the same in both; settings() names them.
+  bool same_files() const { return same_files_; }
 
  private:
   // Where the ports of a part are in Side::values.
@@ -87,6 +89,7 @@ class RecordingPair {
   };
 
   void compare_settings();
+  void compare_files();
   void pair_ports();
   void differ();          // in this tick
   void compare_states();  // those that stand behind the same ticks and as many inputs
@@ -96,6 +99,7 @@ class RecordingPair {
   std::vector<Port> ports_;
   std::vector<std::pair<std::size_t, std::size_t>> places_;  // by port: in the values of A and of B
   std::vector<std::string> only_a_, only_b_, settings_;
+  bool same_files_ = true;
   std::optional<Moment> first_;
 };
 

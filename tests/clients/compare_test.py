@@ -30,6 +30,38 @@ class Compare(unittest.TestCase):
         self.assertEqual((result["equal"], result["first_tick"], result["ports"], result["ticks_a"]), (True, None, [], 50))
         self.assertEqual(result["settings"], [])
 
+    def test_another_text_of_the_scene_is_a_difference_though_all_ticks_are_equal(self):
+        folders = [self.folder / name for name in ("one", "two")]
+        recordings = [self.folder / name for name in ("a.mcap", "b.mcap")]
+        for folder, recording in zip(folders, recordings):
+            folder.mkdir()
+            (folder / "world.yaml").write_text(f"visum: 1\ninclude: [{ARM}]\n")
+            (folder / "still.yaml").write_text(STILL.format(scene="world.yaml", seed=1, more=""))
+            visum("run", folder / "still.yaml", "--record", recording)
+        self.assertTrue(self.compare(*recordings)["same_files"], "in another folder they are the same")
+        with (folders[1] / "world.yaml").open("a") as world:
+            world.write("# a remark\n")
+        visum("run", folders[1] / "still.yaml", "--record", recordings[1])
+        result = self.compare(*recordings, "--report", self.folder / "page.html", expect=5)
+        self.assertEqual((result["equal"], result["same_files"], result["first_tick"], result["ports"]), (False, False, None, []))
+        self.assertEqual(result["settings"], ["file world.yaml: not the same content"])
+        words = "not the same files of the scene; all 50 ticks are equal"
+        self.assertTrue(visum("compare", *recordings, expect=5).stdout.startswith(f"{words}\n  file world.yaml: not the same content\n"))
+        self.assertIn(words, (self.folder / "page.html").read_text())
+
+    def test_another_parameter_alone_is_told_and_makes_no_difference(self):
+        world = self.folder / "world.yaml"
+        world.write_text(f"visum: 1\ninclude: [{ARM}]\nparameters: {{unused: 1}}\n")
+        recordings = []
+        for number in (1, 2):
+            scenario = self.folder / "still.yaml"
+            scenario.write_text(STILL.format(scene=world, seed=1, more="") + f"parameters: {{unused: {number}}}\n")
+            recordings.append(self.folder / f"{number}.mcap")
+            visum("run", scenario, "--record", recordings[-1])
+        result = self.compare(*recordings)
+        self.assertEqual((result["equal"], len(result["settings"])), (True, 1))
+        self.assertIn("parameters: ", result["settings"][0])
+
     def test_a_command_in_the_middle_is_found_at_its_tick(self):
         # Written at 0.02 s, so between the ticks 20 and 21; it is an input of tick 21.
         moved = '  - {at_s: 0.02, set: {part: arm, port: "Desired Angle 3", value: 0.25}}\n'

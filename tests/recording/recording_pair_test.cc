@@ -107,5 +107,23 @@ TEST(RecordingPair, TwoFilesWithOneNameAreNotTakenForOneAnother) {
   EXPECT_EQ(settings(), std::vector<std::string>(2, "file scene.yaml: not the same content"));
 }
 
+TEST(RecordingPair, AFileThatOnlyOneHasIsNamed) {
+  const test::TempFiles files;
+  const auto record = [&](const std::string& included, const char* name) {
+    const auto scene = files.write("scene.yaml", "visum: 1\ninclude: [" + included + "]\n");
+    files.write(included, "visum: 1\nclock: free\n");
+    config::FilesNoted noted;
+    cycle::Simulation world(scene::load_scene(scene));
+    const Recorder recorder(world, {noted.files, ""}, files.folder() / name);
+  };
+  record("one.yaml", "a.mcap");
+  record("other.yaml", "b.mcap");
+  const RecordingPair pair(files.folder() / "a.mcap", files.folder() / "b.mcap");
+  EXPECT_FALSE(pair.same_files());
+  const std::vector<std::string> told{"file one.yaml: in A only", "file other.yaml: in B only",
+                                      "file scene.yaml: not the same content"};
+  EXPECT_EQ(pair.settings(), told);
+}
+
 }  // namespace
 }  // namespace visum::recording

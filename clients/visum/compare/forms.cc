@@ -61,6 +61,8 @@ void write_check(JsonWriter& json, const CheckComparison& check) {
 
 std::string first_words(const RecordingComparison& of) {
   if (of.equal) return "equal: all " + number(of.ticks_a) + " ticks";
+  if (!of.first_tick && of.only_a.empty() && of.only_b.empty())
+    return "not the same files of the scene; all " + number(of.ticks_a) + " ticks are equal";
   if (!of.first_tick) return "not the same ports; those that both have are equal in all ticks";
   std::string text = "they part at tick " + std::to_string(*of.first_tick);
   if (of.ticks_a != of.ticks_b) text += "; A has " + number(of.ticks_a) + " ticks, B " + number(of.ticks_b);
@@ -191,6 +193,7 @@ std::string as_json(const RecordingComparison& of) {
   json.member("ticks_a", of.ticks_a).member("ticks_b", of.ticks_b);
   write_texts(json, "only_a", of.only_a);
   write_texts(json, "only_b", of.only_b);
+  json.member("same_files", of.same_files);
   write_texts(json, "settings", of.settings);
   return json.end_object().text();
 }

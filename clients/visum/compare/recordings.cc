@@ -26,7 +26,8 @@ RecordingComparison compare_recordings(const std::filesystem::path& a, const std
   result.only_a = pair.only_a();
   result.only_b = pair.only_b();
   result.settings = pair.settings();
-  result.equal = !result.first_tick && result.only_a.empty() && result.only_b.empty();
+  result.same_files = pair.same_files();
+  result.equal = !result.first_tick && result.only_a.empty() && result.only_b.empty() && result.same_files;
   for (std::size_t i = 0; i < pair.ports().size(); ++i) {
     const auto& port = pair.ports()[i];
     if (!port.first) continue;

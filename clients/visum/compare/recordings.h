@@ -23,7 +23,9 @@ struct PortDistance {
 };
 
 struct RecordingComparison {
-  bool equal = true;                       // all ticks, ports and hashes that both have, and their number
+  // All ticks, ports and hashes that both have, their number, and the files of the scene.
+  bool equal = true;
+  bool same_files = true;
   std::optional<std::int64_t> first_tick;  // the first that differs, or that one of them lacks
   std::uint64_t ticks_a = 0, ticks_b = 0;
   std::vector<PortDistance> ports;          // in the order of the world's parts
