@@ -3,8 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace visum::config {
+
+// The path beside `file` whose name is that of `file` with `after` at its end. A name that would be longer
+// than the file system's names (255 bytes) is cut, and gets a hash of the whole name before `after`, so that
+// no two files share it.
+std::filesystem::path name_beside(const std::filesystem::path& file, std::string_view after);
 
 // Write to path(), then call keep(). Until then an older file of that name stays as it is. A pipe, a link or
 // a device cannot be replaced, so for these path() is the file itself.

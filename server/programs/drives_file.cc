@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <span>
@@ -199,10 +201,13 @@ void refuse_existing(const std::string& file, bool force) {
 
 void write(const std::string& file, const std::string& text) {
   const config::NewFile fresh(file);
+  errno = 0;
   std::ofstream out(fresh.path(), std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw std::runtime_error("cannot write '" + file + "'");
+  if (!out)
+    throw std::runtime_error("cannot write '" + file + "'" +
+                             (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)));
   fresh.keep();
 }
 

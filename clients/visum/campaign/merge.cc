@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "clients/visum/common/exit_code.h"
+#include "protocol/config/new_file.h"
 
 namespace visum::campaign {
 namespace {
@@ -16,7 +17,7 @@ class NewFolder {
  public:
   explicit NewFolder(const std::filesystem::path& out) : path_(out.lexically_normal()) {
     if (!path_.has_filename()) path_ = path_.parent_path();
-    path_ += ".part";
+    path_ = config::name_beside(path_, ".part");
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

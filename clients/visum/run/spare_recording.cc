@@ -7,19 +7,22 @@
 #include <string>
 #include <system_error>
 
+#include "protocol/config/new_file.h"
+
 namespace visum::run {
 namespace {
 
 std::filesystem::path numbered(const std::filesystem::path& file, int number) {
   if (number == 1) return file;
-  return file.parent_path() /
-         (file.stem().string() + "_" + std::to_string(number) + file.extension().string());
+  return config::name_beside(file.parent_path() / file.stem(),
+                             "_" + std::to_string(number) + file.extension().string());
 }
 
 }  // namespace
 
 SpareRecording::SpareRecording(std::filesystem::path wanted) : wanted_(std::move(wanted)) {
-  path_ = wanted_.parent_path() / ("." + wanted_.filename().string() + "." + std::to_string(::getpid()));
+  path_ = config::name_beside(wanted_.parent_path() / ("." + wanted_.filename().string()),
+                              "." + std::to_string(::getpid()));
   const int fd = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (fd < 0) throw std::system_error(errno, std::generic_category(), wanted_.parent_path().string());
   ::close(fd);

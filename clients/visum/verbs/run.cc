@@ -28,6 +28,7 @@
 #include "clients/visum/verbs/run_many.h"
 #include "clients/visum/verbs/verbs.h"
 #include "protocol/command_line/one_of.h"
+#include "protocol/config/new_file.h"
 
 namespace visum::cli {
 namespace {
@@ -303,11 +304,12 @@ class RunVerb : public Verb {
     const auto folder = recordings_folder();
     if (!scenario.record.empty() || folder.empty()) return;
     const auto run = only_ == 0 ? std::string() : "_run_" + std::to_string(only_);
-    std::string name = scenario.name + run + ".mcap";
+    std::string name = scenario.name;
     std::ranges::replace(name, '/', '_');
     try {
       std::filesystem::create_directories(folder);
-      scenario.record = spare_.emplace(folder / name).path().string();
+      const auto wanted = config::name_beside(folder / name, run + ".mcap");
+      scenario.record = spare_.emplace(wanted).path().string();
       scenario.record_if_possible = true;
     } catch (const std::system_error& error) {
       std::fprintf(stderr, "visum: if this run fails, it leaves no recording: %s\n", error.what());
