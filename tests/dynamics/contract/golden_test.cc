@@ -63,7 +63,7 @@ TEST_P(GoldenFall, APileThatComesToRestGivesTheKnownHash) {
 TEST_P(GoldenFall, AWallThatFallsGivesTheKnownHash) {
   constexpr double kLying = 0.1, kStarts = 0.2;  // m: height of a brick's centre on the ground, and above it
   ModelBuilder b(GetParam().engine);
-  b.model = physics::wall(GetParam().engine, 1e-3, 4, 4);
+  b.model = physics::falling_wall(GetParam().engine, 1e-3, 4);
   b.body(b.add_sphere("ball", 0.15, 5.0, at(0.9, -0.6, 0.6))).v_WB = {1.0, 6.0, 0.0};
   Lab lab(b.model);
   lab.run(1.0);
