@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <tuple>
 
 #include "server/collision/broad_phase.h"
@@ -46,11 +47,18 @@ struct CollisionStage::Impl {
     if (model.collision_stage == world::CollisionKind::kFcl) fcl.emplace(shapes);
   }
 
+  // The call in which a pair had its points last, where its shapes were placed, and its points in `found`.
+  struct Found {
+    std::uint64_t call = 0, placed_a = 0, placed_b = 0;
+    std::size_t first_point = 0, points = 0;
+    double gap = 0.0;
+  };
   // A pair of shapes that may touch before the near pairs are searched again, and the path (m, of both bodies
   // together) up to which it cannot touch.
   struct Near {
     std::uint32_t first, second;
     double apart_until = 0.0;
+    Found last = {};
   };
 
   const PreparedShape& placed(std::size_t i, const world::WorldState& state) {
@@ -69,18 +77,28 @@ struct CollisionStage::Impl {
       shapes[i].near_W.min().array() -= margin;
       shapes[i].near_W.max().array() += margin;
     }
+    near.swap(near_before);
     near.clear();
-    for (const auto& [i, j] : broad.find(shapes)) near.push_back({i, j});
+    // Both lists are sorted. What a pair has found may still hold.
+    auto known = near_before.begin();
+    for (const auto& [i, j] : broad.find(shapes)) {
+      Near& pair = near.emplace_back(Near{i, j});
+      while (known != near_before.end() && std::pair(known->first, known->second) < std::pair(i, j)) ++known;
+      if (known != near_before.end() && known->first == i && known->second == j) pair.last = known->last;
+    }
   }
 
   // The whole stage with FCL. Returns false if there are too many contacts.
   bool find_by_fcl(const world::WorldState& state, std::vector<Contact>& contacts);
   // Appends the contacts of a pair. Returns false where they do not fit.
-  static bool add(const PreparedShape& a, const PreparedShape& b, const std::vector<Point>& points,
+  static bool add(const PreparedShape& a, const PreparedShape& b, std::span<const Point> points,
                   std::vector<Contact>& contacts);
   // Lists the near pairs whose boxes meet.
   void find_meeting(const world::WorldState& state);
-  // Tests such a pair exactly. A mesh in it may take its share of the work.
+  // The contact points of such a pair. If neither shape has moved by a bit since the last call, they are
+  // those of the last call; meshes are always tested, since what they may take depends on the others.
+  std::span<const Point> points_of(Near& pair);
+  // Tests a pair exactly. A mesh in it may take its share of the work.
   const std::vector<Point>& test(const PreparedShape& a, const PreparedShape& b);
 
   const world::WorldModel& model;
@@ -93,12 +111,14 @@ struct CollisionStage::Impl {
   Sweep sweep;
   std::optional<FclStage> fcl;  // only if the scene asks for it
   std::vector<Point> points_of_fcl;
-  std::vector<Near> near;
+  std::vector<Near> near, near_before;
   // Those of them whose boxes meet now, with the path of their bodies; how many with a mesh are still to
   // test.
   std::vector<std::pair<Near*, double>> meeting;
+  std::vector<Point> found, found_before;  // by this call and the last one, of all pairs that were tested
   std::uint64_t meshes_meeting = 0;
   std::uint64_t work = 0;
+  std::size_t tested = 0;
   std::vector<world::BodyId> limited;
   // A pair of shapes with contacts that were foreseen since the last find().
   struct Foreseen {
@@ -261,6 +281,10 @@ std::uint64_t CollisionStage::work() const {
   return impl_->work;
 }
 
+std::size_t CollisionStage::tested() const {
+  return impl_->tested;
+}
+
 // Closer and closer: by the paths of the bodies, then by the boxes. A pair with a mesh is never left out by
 // its path alone, so how many there are depends on the poses only.
 void CollisionStage::Impl::find_meeting(const world::WorldState& state) {
@@ -280,6 +304,7 @@ void CollisionStage::Impl::find_meeting(const world::WorldState& state) {
 }
 
 const std::vector<Point>& CollisionStage::Impl::test(const PreparedShape& a, const PreparedShape& b) {
+  ++tested;
   if (!has_mesh(a, b)) return narrow.find(a, b);
   const std::uint64_t limit = model.collision_work_limit;
   const std::uint64_t share = (limit - std::min(limit, work)) / meshes_meeting--;
@@ -292,8 +317,25 @@ const std::vector<Point>& CollisionStage::Impl::test(const PreparedShape& a, con
   return points;
 }
 
-bool CollisionStage::Impl::add(const PreparedShape& a, const PreparedShape& b,
-                               const std::vector<Point>& points, std::vector<Contact>& contacts) {
+std::span<const Point> CollisionStage::Impl::points_of(Near& pair) {
+  const PreparedShape &a = shapes[pair.first], &b = shapes[pair.second];
+  const std::size_t first = found.size();
+  Found& last = pair.last;
+  if (last.call + 1 == call && last.placed_a == a.placements && last.placed_b == b.placements &&
+      !has_mesh(a, b)) {
+    const auto begin = found_before.begin() + static_cast<std::ptrdiff_t>(last.first_point);
+    found.insert(found.end(), begin, begin + static_cast<std::ptrdiff_t>(last.points));
+  } else {
+    const std::vector<Point>& points = test(a, b);
+    found.insert(found.end(), points.begin(), points.end());
+    last.gap = narrow.gap();
+  }
+  last = {call, a.placements, b.placements, first, found.size() - first, last.gap};
+  return std::span(found).subspan(first);
+}
+
+bool CollisionStage::Impl::add(const PreparedShape& a, const PreparedShape& b, std::span<const Point> points,
+                               std::vector<Contact>& contacts) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (contacts.size() == kMaxContacts) return false;
     contacts.push_back(make_contact(a, b, points[k], k));
@@ -305,7 +347,7 @@ bool CollisionStage::Impl::add(const PreparedShape& a, const PreparedShape& b,
 bool CollisionStage::Impl::find_by_fcl(const world::WorldState& state, std::vector<Contact>& contacts) {
   for (std::size_t i = 0; i < shapes.size(); ++i) placed(i, state);
   const std::vector<IndexPair>& pairs = fcl->find_pairs(shapes, broad);
-  work = 0;
+  work = tested = 0;
   limited.clear();
   meshes_meeting = 0;
   for (const auto& [i, j] : pairs) meshes_meeting += has_mesh(shapes[i], shapes[j]);
@@ -335,13 +377,14 @@ bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
   of.travel.follow(state);
   if (!of.travel.is_within_margins()) of.find_near(state);
   of.find_meeting(state);
-  of.work = 0;
+  of.work = of.tested = 0;
   of.limited.clear();
+  of.found.swap(of.found_before);
+  of.found.clear();
   for (const auto& [near, path] : of.meeting) {
-    const PreparedShape &a = of.shapes[near->first], &b = of.shapes[near->second];
-    const std::vector<Point>& points = of.test(a, b);
-    if (!Impl::add(a, b, points, contacts)) return false;
-    near->apart_until = path + of.narrow.gap() - kSurelyApartM;
+    const std::span<const Point> points = of.points_of(*near);
+    if (!Impl::add(of.shapes[near->first], of.shapes[near->second], points, contacts)) return false;
+    near->apart_until = path + near->last.gap - kSurelyApartM;
   }
   return true;
 }

@@ -54,7 +54,8 @@ class CollisionStage {
 
   // Replaces `contacts`, sorted by (shape_a, shape_b, feature). The result depends on the bodies' poses
   // alone, so a restored world collides with the same bits; earlier calls only tell which pairs cannot have
-  // met. Returns false if there are more than kMaxContacts; `contacts` then holds the first of them only.
+  // met, and what those find again of which neither shape has moved by a bit. Returns false if there are more
+  // than kMaxContacts; `contacts` then holds the first of them only.
   bool find(const world::WorldState& state, std::vector<Contact>& contacts);
 
   // After a step: looks how far bodies have moved. None is fast where the model has no continuous collision.
@@ -78,6 +79,7 @@ class CollisionStage {
   // pairs before it have left.
   const std::vector<world::BodyId>& limited() const;
   std::uint64_t work() const;  // of the last find(), in units of work.h
+  std::size_t tested() const;  // pairs that the last find() tested: all that met, but for those that stood
 
  private:
   struct Impl;

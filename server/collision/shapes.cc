@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/world/on_processors.h"
+#include "server/world/same_bits.h"
 
 namespace visum::collision {
 namespace {
@@ -125,8 +126,14 @@ std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, Prepar
 }
 
 void place(PreparedShape& shape, const world::WorldModel& model, const world::WorldState& state) {
-  const world::Pose X_WS =
-      link_pose(model.bodies[shape.body.index()], state.bodies[shape.body.index()]) * shape.X_BS;
+  const world::BodyState& body = state.bodies[shape.body.index()];
+  if (shape.placements > 0 && world::are_same_bits(shape.p_WC, body.p_WC) &&
+      world::are_same_bits(shape.q_WB, body.q_WB))
+    return;
+  ++shape.placements;
+  shape.p_WC = body.p_WC;
+  shape.q_WB = body.q_WB;
+  const world::Pose X_WS = link_pose(model.bodies[shape.body.index()], body) * shape.X_BS;
   const Solid* solid = shape.solid.get();
   shape.placed = {solid ? &solid->convex : nullptr, solid ? &solid->gjk : nullptr, X_WS.q.toRotationMatrix(),
                   X_WS.p};

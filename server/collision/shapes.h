@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,10 @@ struct PreparedShape {
   // Set by place():
   Placed placed;              // for planes and meshes only the frame
   Eigen::AlignedBox3d box_W;  // empty if the pose is not finite; not used for a plane
+  // How often it has been placed elsewhere, and the body's pose when it was the last time.
+  std::uint64_t placements = 0;
+  Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
   // Set by the stage when it searches near pairs: box_W, widened by how far the body may go before the next
   // search.
   Eigen::AlignedBox3d near_W;
@@ -39,6 +44,7 @@ struct PreparedShape {
 std::vector<PreparedShape> prepare_shapes(const world::WorldModel& model, PreparedMeshes& meshes);
 
 // Sets the pose and the box of a shape. A pose that is not finite gives an empty box, which meets nothing.
+// Does nothing if the body has not moved by a bit since the last time.
 void place(PreparedShape& shape, const world::WorldModel& model, const world::WorldState& state);
 
 // The box, parallel to the axes, around a box in a rotated frame.

@@ -151,7 +151,7 @@ TEST(CollisionStage, FindsOnItsWayWhatAFreshStageFinds) {
     for (int i = 0; i < 60; ++i) {
       for (std::size_t k = 1; k < state.bodies.size(); ++k) {
         world::BodyState& body = state.bodies[k];
-        if ((k + static_cast<std::size_t>(i)) % 5 == 0) continue;  // stands for a while
+        if (k % 3 == static_cast<std::size_t>(i / 5) % 3) continue;  // stands for five calls
         body.p_WC += speed * (Eigen::Vector3d(away(random), away(random), away(random)) - 0.2 * body.p_WC);
         const Eigen::Quaterniond turn(1.0, speed * away(random), speed * away(random), speed * away(random));
         body.q_WB = (turn * body.q_WB).normalized();
@@ -165,6 +165,52 @@ TEST(CollisionStage, FindsOnItsWayWhatAFreshStageFinds) {
     }
   }
   EXPECT_GT(touching, 1000u);
+}
+
+// Nor does a stage mix up what it keeps of pairs that stand while others come, go and come back to where they
+// were, and while it looks ahead.
+TEST(CollisionStage, FindsOfPairsThatStandWhatAFreshStageFinds) {
+  const SceneBuilder scene = make_heap(12, 18);
+  const world::WorldState start = initial_state(scene.model);
+  world::WorldState state = start;
+  CollisionStage stage(scene.model);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> away(-1.0, 1.0);
+  std::size_t kept = 0;
+  for (int i = 0; i < 200; ++i) {
+    const world::WorldState before = state;
+    for (std::size_t k = 1; k < state.bodies.size(); ++k) {
+      if (random() % 4 != 0) continue;
+      if (random() % 2 == 0)
+        state.bodies[k] = start.bodies[k];
+      else
+        state.bodies[k].p_WC += 0.2 * Eigen::Vector3d(away(random), away(random), away(random));
+    }
+    std::vector<Contact> found, anew, ahead;
+    if (i % 3 == 0) stage.foresee(before, state, &ahead);
+    CollisionStage fresh(scene.model);
+    ASSERT_EQ(stage.find(state, found), fresh.find(state, anew));
+    ASSERT_TRUE(same_bits(found, anew)) << "call " << i;
+    kept += fresh.tested() - stage.tested();
+  }
+  EXPECT_GT(kept, 500u);
+}
+
+TEST(CollisionStage, TestsNothingAnewThatStands) {
+  SceneBuilder scene;
+  scene.add({kPlane, {}}, {});
+  for (int i = 0; i < 5; ++i) scene.add(kCube, at(0, 0, 0.499 + 0.999 * i));
+  world::WorldState state = initial_state(scene.model);
+  CollisionStage stage(scene.model);
+  std::vector<Contact> contacts;
+  stage.find(state, contacts);
+  EXPECT_EQ(stage.tested(), 5u);
+  stage.find(state, contacts);
+  EXPECT_EQ(stage.tested(), 0u);
+  EXPECT_EQ(contacts.size(), 20u);
+  state.bodies[5].p_WC.x() += 1e-16;
+  stage.find(state, contacts);
+  EXPECT_EQ(stage.tested(), 1u);
 }
 
 TEST(CollisionStage, VelocitiesDoNotMatter) {

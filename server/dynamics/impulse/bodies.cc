@@ -2,37 +2,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "server/dynamics/impulse/lanes/kernels.h"
+#include "server/world/same_bits.h"
 
 namespace visum::dynamics::impulse {
 namespace {
 
+using world::are_same_bits;
+
 constexpr double kSameMoment = 1e-12;  // relative: differences below are rounding of a symmetric body
-
-using Bits = long long __attribute__((vector_size(16)));
-
-Bits bits_at(const double* from) {
-  Bits bits;
-  std::memcpy(&bits, from, sizeof(bits));
-  return bits;
-}
-
-// Compared as bits: -0 and 0 differ, and a NaN is equal to itself.
-bool are_same_bits(const Quaterniond& a, const Quaterniond& b) {
-  const double *x = a.coeffs().data(), *y = b.coeffs().data();
-  const Bits differ = (bits_at(x) ^ bits_at(y)) | (bits_at(x + 2) ^ bits_at(y + 2));
-  return (differ[0] | differ[1]) == 0;
-}
-
-bool are_same_bits(const Vector3d& a, const Vector3d& b) {
-  const Bits differ = bits_at(a.data()) ^ bits_at(b.data());
-  return (differ[0] | differ[1]) == 0 &&
-         std::bit_cast<std::uint64_t>(a.z()) == std::bit_cast<std::uint64_t>(b.z());
-}
 
 bool same(double a, double b) {
   return std::abs(a - b) <= kSameMoment * std::max(a, b);

@@ -34,10 +34,6 @@ constexpr double kSoftness = 1e-6, kJointedSoftness = 3e-5, kFreeSoftness = 1e-4
 // Where a point is not found: the softness grows by one factor, and comes back by the other.
 constexpr double kMostSoftness = 1.0, kSofter = 100.0, kFirmer = 0.1;
 constexpr int kMostSoftenings = 10;  // in one solution
-constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as rest
-// The same of an island that has rested and stands still, and so freezes: the little that is missing would
-// otherwise add up, and move it for ever.
-constexpr double kFrozenShare = 0.1;
 // Proximal points in one solution.
 constexpr int kMostPoints = 10;
 // Rounds of sweeps and a solution at once, for one proximal point.
@@ -294,31 +290,10 @@ double Rows::note_change() {
   return largest;
 }
 
-// True if next to nothing is missing with the starting impulses. Rows on mechanisms are never at rest.
-bool Rows::is_at_rest(double least, double share, double rest) {
-  island_->frozen = false;
-  if (rest == 0.0 || !responses_.empty()) return false;
-  const double missed = largest_miss(), change = note_change();
-  const double limit = kFrozenShare * std::max(least, share * change);
-  island_->frozen = missed <= limit && is_still(limit);
-  return island_->frozen || missed <= rest * std::max(least, kRestShare * share * change);
-}
-
-bool Rows::is_still(double limit) const {
-  if (!island_->may_freeze) return false;
-  for (std::size_t i = 0; i < velocities_.size(); ++i)
-    if (!(std::abs(velocities_[i] - island_->still[i % 6]) <= limit)) return false;
-  return true;
-}
-
 double Rows::solve(int most_sweeps, double least, double share, double rest) {
   island_->changed = start();
   island_->inexact = false;
-  island_->rests = island_->solved = is_at_rest(least, share, rest);
-  if (island_->frozen) {
-    for (std::size_t i = 0; i < velocities_.size(); ++i) velocities_[i] = island_->still[i % 6];
-    island_->changed = true;
-  }
+  island_->rests = island_->solved = rest_at_start(least, share, rest);
   if (island_->rests) return 0.0;
   const bool alone = responses_.empty();
   // Sweeps alone say what rows on mechanisms give that nothing can move.

@@ -151,8 +151,9 @@ class Rows {
   double next_normal(const RowBlock& block, double error) const;
   double next_of_rigid(const RowBlock& block, double error) const;
   Tangential tangents_step(const RowBlock& block, double e1, double e2) const;
-  // True if the impulses at the start are good enough to be the answer.
-  bool is_at_rest(double least, double share, double rest);
+  // rows_rest.cc: true if next to nothing is missing with the impulses at the start, so that they are the
+  // answer. Freezes the island if it stands still.
+  bool rest_at_start(double least, double share, double rest);
   // True if the island may freeze, and no body moves faster than `limit`, m/s or rad/s.
   bool is_still(double limit) const;
   // Largest miss of any block, without correcting it. Calls find_errors(), which fills errors_.

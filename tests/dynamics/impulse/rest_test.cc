@@ -37,8 +37,8 @@ TEST(Rest, ForcesOfWhatStandsStillNoLongerChange) {
   EXPECT_LT(changes, 50);
 }
 
-// What is left of its overlaps would otherwise move it for ever: by 1e-11 m/s, and with a solution in each
-// tick.
+// The little that is left of its overlaps would otherwise move it for ever: by 1e-11 m/s, and with a solution
+// in each tick.
 TEST(Rest, AWallThatStandsStaysAsItIsToTheLastBit) {
   for (const int side : {1, 10}) {
     Lab lab(physics::standing_wall(impulse(), 1e-3, side));

@@ -77,8 +77,11 @@ void fly(const BodyArrays& of, const BodyBlock* blocks, std::size_t count, doubl
     store_vectors(Four{of.x1, block->vector}, x + h * v + fall);
     const Vectors w = load_vectors(Four{of.w, block->vector});
     const Quaternions q = load_quaternions(Four{of.q, block->quaternion});
-    const Quaternions q1 =
-        renormalised(block->top ? fly_tops(of, *block, q, w, h) : fly_others(of, *block, q, w, h));
+    // Four that stand still need no rotations, which are most of a flight.
+    const bool turns = !is_zero(w.x) || !is_zero(w.y) || !is_zero(w.z);
+    const Quaternions q1 = renormalised(!turns       ? q
+                                        : block->top ? fly_tops(of, *block, q, w, h)
+                                                     : fly_others(of, *block, q, w, h));
     store_quaternions(Four{of.q1, block->quaternion}, q1);
     store_matrices(Four{of.R1, block->matrix}, matrices(q1));
   }
