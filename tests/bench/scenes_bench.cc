@@ -49,10 +49,10 @@ std::vector<SceneCase> scene_cases() {
     add("piles", count, piles(any_engine(), kTick, count, 10), ticks);
   for (const auto& [count, ticks] : {Size(1, 300), Size(10, 300), Size(100, 100), Size(400, 30)})
     add("towers", count, towers(any_engine(), kTick, count, 10), ticks);
-  for (const auto& [side, ticks] : {Size(3, 300), Size(10, 100), Size(32, 30)}) {
+  for (const auto& [side, ticks] : {Size(3, 1000), Size(10, 1000), Size(32, 300)})
     add("standing_wall", side, standing_wall(any_engine(), kTick, side), ticks);
+  for (const auto& [side, ticks] : {Size(3, 300), Size(10, 100), Size(32, 30)})
     add("falling_wall", side, falling_wall(any_engine(), kTick, side), ticks);
-  }
   for (const auto& [height, ticks] :
        {Size(1, 1000), Size(10, 1000), Size(50, 1000), Size(100, 1000), Size(1000, 100)})
     add("stack", height, stack(any_engine(), kTick, height), ticks);
