@@ -60,6 +60,10 @@ constexpr double kSameEnergy =
 constexpr int kMostCuts = 12;  // halvings of the interval in which a bounce may lie
 constexpr double kComesToRest =
     0.1;  // share of the miss that is allowed at rest: a body that has moved must get below it to rest
+// Share of what a body falls in a step: an island that has rested, and moves by no more, is frozen. The
+// little that is missing would otherwise add up, and move it for ever. It must not grow with the island: a
+// light body beneath a heavy one would hold its neighbours.
+constexpr double kFrozenShare = 1e-8;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
 // Depths are only known to rounding. The corners of a face would otherwise ask for motions that contradict
@@ -297,7 +301,8 @@ double Bounded::solve_rows() {
   const Vector3d still = moment_ == kAhead ? Vector3d(-0.5 * h_ * plant_.model.gravity) : Vector3d::Zero();
   std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
   const double rest_share = rest();
-  system_.may_freeze = moment_ != kHit && rest_share == 1.0;
+  const bool rested = moment_ != kHit && rest_share == 1.0;
+  system_.freezes_below = rested ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
   double missed = 0.0;
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)

@@ -29,10 +29,11 @@ struct RowIsland {
   bool movable = false;               // every row can be moved; prepare() finds that
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
-  // An island that rested in the last tick and stands still is frozen by solve(): each body gets the velocity
-  // `still` of one that stands, angular before linear, rad/s and m/s.
-  bool may_freeze = false, frozen = false;
+  // An island that misses and moves by no more than this (m/s, rad/s; 0: none) is frozen by solve(): each
+  // body gets the velocity `still` of one that stands, angular before linear.
+  double freezes_below = 0.0;
   std::array<double, 6> still{};
+  bool frozen = false;
   bool solved = false;  // the last solve() left no more than allowed, where it looked last
   // Free bodies that move take an inexact answer where an exact one is dear: after so much work since
   // prepare(), and one that is the nearer, the less work was taken before (rows_soft.cc).
@@ -72,7 +73,7 @@ class Rows {
   // after much work, may miss ten times that (rows_soft.cc), and what comes near an answer may be taken if an
   // exact one is dear (RowIsland). Returns the largest miss at the start, or of the first sweep. Does nothing
   // if the start misses no more than the share `rest` of the miss that is allowed at rest; 0: always solves.
-  // An island that may freeze, and stands still, freezes.
+  // An island that stands still freezes (RowIsland).
   double solve(int most_sweeps, double least, double share, double rest);
   // Softens every row from now on by a share of the response that its bodies would have without joints.
   void soften(double share);
@@ -154,7 +155,7 @@ class Rows {
   // rows_rest.cc: true if next to nothing is missing with the impulses at the start, so that they are the
   // answer. Freezes the island if it stands still.
   bool rest_at_start(double least, double share, double rest);
-  // True if the island may freeze, and no body moves faster than `limit`, m/s or rad/s.
+  // True if no body moves faster than `limit`, m/s or rad/s; not if that is 0.
   bool is_still(double limit) const;
   // Largest miss of any block, without correcting it. Calls find_errors(), which fills errors_.
   double largest_miss();

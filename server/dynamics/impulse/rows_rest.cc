@@ -8,9 +8,6 @@ namespace visum::dynamics::impulse {
 namespace {
 
 constexpr double kRestShare = 1e-3;  // share of the allowed miss that counts as rest
-// The same of an island that has rested and stands still, and so freezes: the little that is missing would
-// otherwise add up, and move it for ever.
-constexpr double kFrozenShare = 0.1;
 
 }  // namespace
 
@@ -19,7 +16,7 @@ bool Rows::rest_at_start(double least, double share, double rest) {
   island_->frozen = false;
   if (rest == 0.0 || !responses_.empty()) return false;
   const double missed = largest_miss(), change = note_change();
-  const double limit = kFrozenShare * std::max(least, share * change);
+  const double limit = std::min(island_->freezes_below, std::max(least, share * change));
   island_->frozen = missed <= limit && is_still(limit);
   if (!island_->frozen) return missed <= rest * std::max(least, kRestShare * share * change);
   for (std::size_t i = 0; i < velocities_.size(); ++i) velocities_[i] = island_->still[i % 6];
@@ -27,7 +24,7 @@ bool Rows::rest_at_start(double least, double share, double rest) {
 }
 
 bool Rows::is_still(double limit) const {
-  if (!island_->may_freeze) return false;
+  if (limit == 0.0) return false;
   for (std::size_t i = 0; i < velocities_.size(); ++i)
     if (!(std::abs(velocities_[i] - island_->still[i % 6]) <= limit)) return false;
   return true;

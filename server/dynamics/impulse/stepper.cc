@@ -180,10 +180,8 @@ bool Stepper::step_limited(double h, std::span<const Wrench> wrenches, const wor
     return body >= 0 && std::ranges::binary_search(stay, static_cast<std::size_t>(body));
   };
   for (Touch& touch : plant_.touches)
-    if (!touch.asleep && (stays(touch.a) || stays(touch.b))) {
+    if (!touch.asleep && (stays(touch.a) || stays(touch.b)))
       for (std::size_t k = 0; k < kMoments; ++k) touch.impulse[k] = touch.twist[k] = Vector3d::Zero();
-      touch.frozen = false;
-    }
   for (Axis& axis : plant_.acting_axes())
     if (stays(axis.a) || stays(axis.b)) axis.stopped = {};
   short_bodies_.insert(short_bodies_.end(), stay.begin(), stay.end());

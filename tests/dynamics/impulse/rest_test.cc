@@ -83,6 +83,25 @@ TEST(Rest, ASmallForceIsEnoughToBegin) {
   EXPECT_NEAR(lab.body("puck").p_WC.x() - start, 0.5 * force, 2e-3 * force);
 }
 
+// Another body must not change it: a light sheet that carries a load moves by far more when
+// when a force acts on it.
+TEST(Rest, ASmallForceIsEnoughBesideALightBodyThatCarriesALoad) {
+  ModelBuilder b(impulse());
+  b.add_ground();
+  b.model.surfaces.front().friction = 0.0;
+  b.add_box("table", {1.0, 0.5, 0.2}, 5.0, at(0, 0, 0.1 - physics::kTouch));
+  b.add_box("sheet", {0.2, 0.2, 0.01}, 0.01, at(0.3, 0, 0.205 - 2.0 * physics::kTouch));
+  b.add_box("load", {0.2, 0.2, 0.2}, 10.0, at(0.3, 0, 0.31 - 3.0 * physics::kTouch));
+  b.add_box("puck", {0.1, 0.1, 0.1}, 0.02, at(-0.3, 0, 0.25 - 2.0 * physics::kTouch));
+  Lab lab(b.model);
+  lab.run(0.5);
+  const double force = 1e-6 * 0.02 * 9.81;  // N
+  lab.wrenches.push_back({lab.model.find_body("puck"), {force, 0, 0}, Eigen::Vector3d::Zero()});
+  const double before = lab.body("puck").v_WC.x();
+  lab.run(0.1);
+  EXPECT_NEAR(lab.body("puck").v_WC.x() - before, 0.1 * force / 0.02, 0.01 * 0.1 * force / 0.02);
+}
+
 // Nor is a slow motion taken for rest.
 TEST(Rest, ASlowBodySlidesOnWhereNothingRubs) {
   ModelBuilder b(impulse());
