@@ -83,8 +83,7 @@ TEST(Rest, ASmallForceIsEnoughToBegin) {
   EXPECT_NEAR(lab.body("puck").p_WC.x() - start, 0.5 * force, 2e-3 * force);
 }
 
-// Another body must not change it: a light sheet that carries a load moves by far more when
-// when a force acts on it.
+// Other bodies of the island must not change that: a light sheet that carries a load is moved by far more.
 TEST(Rest, ASmallForceIsEnoughBesideALightBodyThatCarriesALoad) {
   ModelBuilder b(impulse());
   b.add_ground();
