@@ -86,6 +86,7 @@ struct CollisionStage::Impl {
       while (known != near_before.end() && std::pair(known->first, known->second) < std::pair(i, j)) ++known;
       if (known != near_before.end() && known->first == i && known->second == j) pair.last = known->last;
     }
+    near_before.reserve(near.capacity());  // they take turns
   }
 
   // The whole stage with FCL. Returns false if there are too many contacts.
@@ -386,6 +387,7 @@ bool CollisionStage::find(const world::WorldState& state, std::vector<Contact>& 
     if (!Impl::add(of.shapes[near->first], of.shapes[near->second], points, contacts)) return false;
     near->apart_until = path + near->last.gap - kSurelyApartM;
   }
+  of.found_before.reserve(of.found.capacity());  // they take turns
   return true;
 }
 
