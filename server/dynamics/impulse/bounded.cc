@@ -272,14 +272,6 @@ void Bounded::aim() {
   }
 }
 
-// A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
-// move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
-// moved gets the smaller bound kComesToRest.
-double Bounded::rest() const {
-  if (moment_ == kAfter) return course_->rests ? 1.0 : 0.0;
-  return has_rested() ? 1.0 : kComesToRest;
-}
-
 // New contacts do not count. An island of which a part has moved has not rested.
 bool Bounded::has_rested() const {
   bool rested = false;
@@ -297,16 +289,20 @@ double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < blocks_.size(); ++k) before_[k] = blocks_[k].applied;
   const double share = moment_ == kHit ? 0.0 : responses_.empty() ? kShare : kMechanismShare;
+  // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
+  // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
+  // moved gets the smaller bound kComesToRest.
+  const bool rested = moment_ == kAfter ? course_->rests : has_rested();
+  const double rest = rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
+  const bool may_freeze = rested && moment_ != kHit;
+  system_.freezes_below = may_freeze ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
   // A body that stands is thrown up by as much as it falls in flight.
   const Vector3d still = moment_ == kAhead ? Vector3d(-0.5 * h_ * plant_.model.gravity) : Vector3d::Zero();
   std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
-  const double rest_share = rest();
-  const bool rested = moment_ != kHit && rest_share == 1.0;
-  system_.freezes_below = rested ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
   double missed = 0.0;
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
-                                       : rows_.solve(kMostSweeps, kEnough, share, rest_share);
+                                       : rows_.solve(kMostSweeps, kEnough, share, rest);
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;

@@ -155,7 +155,6 @@ class Bounded {
   void keep_energy();
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  double rest() const;  // the argument `rest` of Rows::solve()
   // True if the last tick needed no change of the contacts' impulses.
   bool has_rested() const;
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }

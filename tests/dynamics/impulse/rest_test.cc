@@ -66,13 +66,17 @@ TEST(Rest, AWallThatStandsStaysAsItIsToTheLastBit) {
   }
 }
 
-// A millionth of its weight moves a body that nothing holds, as far as it should.
-TEST(Rest, ASmallForceIsEnoughToBegin) {
+world::WorldModel puck_on_ice() {
   ModelBuilder b(impulse());
   b.add_ground();
   b.add_box("puck", {0.2, 0.2, 0.1}, 1.0, at(0, 0, 0.05 - physics::kTouch));
   b.model.surfaces.front().friction = 0.0;
-  Lab lab(b.model);
+  return b.model;
+}
+
+// A millionth of its weight moves a body that nothing holds, as far as it should.
+TEST(Rest, ASmallForceIsEnoughToBegin) {
+  Lab lab(puck_on_ice());
   lab.run(0.2);
   ASSERT_EQ(lab.body("puck").v_WC, Eigen::Vector3d::Zero());
   const double force = 1e-6 * 9.81;  // N
@@ -101,11 +105,7 @@ TEST(Rest, ASmallForceIsEnoughForATonneOnALightShim) {
 
 // Nor is a slow motion taken for rest.
 TEST(Rest, ASlowBodySlidesOnWhereNothingRubs) {
-  ModelBuilder b(impulse());
-  b.add_ground();
-  b.add_box("puck", {0.2, 0.2, 0.1}, 1.0, at(0, 0, 0.05 - physics::kTouch));
-  b.model.surfaces.front().friction = 0.0;
-  Lab lab(b.model);
+  Lab lab(puck_on_ice());
   lab.run(0.5);
   lab.body("puck").v_WC.x() = 1e-7;
   lab.run(1.0);
