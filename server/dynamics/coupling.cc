@@ -58,6 +58,7 @@ StepResult Coupling::step_each(std::span<const std::unique_ptr<Engine>> engines,
     all.limited = all.limited || result.limited;
     all.fell_short.insert(all.fell_short.end(), result.fell_short.begin(), result.fell_short.end());
     all.work += result.work;
+    all.standing += result.standing;
   }
   return all;
 }

@@ -45,7 +45,8 @@ struct StepResult {
   // was reached. `fell_short` names the bodies that should have been held better, at most kMostNamed.
   bool limited = false;
   std::vector<world::BodyId> fell_short;
-  std::uint64_t work = 0;  // what the tick has taken, in the units of the limit; 0: the engine counts none
+  std::uint64_t work = 0;    // what the tick has taken, in the units of the limit; 0: the engine counts none
+  std::size_t standing = 0;  // contacts that were not computed anew: they stand, and give what they gave
 
   static constexpr std::size_t kMostNamed = 16;
 };

@@ -18,6 +18,10 @@ inline TwoNumbers two_numbers_at(const double* from) {
   return bits;
 }
 
+inline bool are_same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
 inline bool are_same_bits(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const double *x = a.coeffs().data(), *y = b.coeffs().data();
   const TwoNumbers differ =
@@ -27,8 +31,7 @@ inline bool are_same_bits(const Eigen::Quaterniond& a, const Eigen::Quaterniond&
 
 inline bool are_same_bits(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const TwoNumbers differ = two_numbers_at(a.data()) ^ two_numbers_at(b.data());
-  return (differ[0] | differ[1]) == 0 &&
-         std::bit_cast<std::uint64_t>(a.z()) == std::bit_cast<std::uint64_t>(b.z());
+  return (differ[0] | differ[1]) == 0 && are_same_bits(a.z(), b.z());
 }
 
 }  // namespace visum::world

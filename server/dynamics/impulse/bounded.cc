@@ -296,8 +296,7 @@ double Bounded::solve_rows() {
   const double rest = rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
   const bool may_freeze = rested && moment_ != kHit;
   system_.freezes_below = may_freeze ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
-  // A body that stands is thrown up by as much as it falls in flight.
-  const Vector3d still = moment_ == kAhead ? Vector3d(-0.5 * h_ * plant_.model.gravity) : Vector3d::Zero();
+  const Vector3d still = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
   std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
   double missed = 0.0;
   try {

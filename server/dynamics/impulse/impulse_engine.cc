@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include "protocol/config/unknown_name.h"
@@ -54,16 +55,11 @@ class ImpulseEngine : public Engine {
   StepResult step(const StepInput& input, world::WorldState& state) override {
     if (std::string fault = find_input_fault(plant_.model, input, state); !fault.empty())
       return {false, fault};
-    bool ok = true, limited = false;
-    try {
-      try {
-        ok = make(false, input, state);
-      } catch (const NeedsOneThread&) {
-        ok = make(true, input, state);
-      }
-    } catch (const WorkSpent&) {
-      limited = true;
-    }
+    // A limited tick starts from what was reached, and of islands that stand nothing was.
+    std::optional<bool> made = make_within_limit(true, input, state);
+    if (!made && stepper_.standing().any()) made = make_within_limit(false, input, state);
+    const bool limited = !made;
+    bool ok = made.value_or(true);
     const std::uint64_t work = plant_.work.taken();
     // With `solver: iterate` the bodies stay together at any price: those that cannot move stay where they
     // are.
@@ -74,15 +70,29 @@ class ImpulseEngine : public Engine {
     StepResult result = store(input, state);
     result.limited = limited;
     result.work = work;
+    result.standing = std::ranges::count_if(plant_.touches, &Touch::stands);
     if (limited) name_short(result.fell_short);
     return result;
   }
 
  private:
-  // Makes the tick, within the limit of work. Returns false where a step cannot be made.
-  bool make(bool one_thread, const StepInput& input, const world::WorldState& state) {
+  // Makes the tick. Returns false where a step cannot be made, and nothing where the limit of work is met.
+  std::optional<bool> make_within_limit(bool may_stand, const StepInput& input,
+                                        const world::WorldState& state) {
+    try {
+      try {
+        return make(false, may_stand, input, state);
+      } catch (const NeedsOneThread&) {
+        return make(true, may_stand, input, state);
+      }
+    } catch (const WorkSpent&) {
+      return {};
+    }
+  }
+
+  bool make(bool one_thread, bool may_stand, const StepInput& input, const world::WorldState& state) {
     stepper_.begin_tick(one_thread);
-    prepare(input, state);
+    prepare(input, state, may_stand);
     warned_ = false;
     plant_.work.start(work_limit());
     // Orders above 2 need the factors to decide on the stages.
@@ -99,8 +109,9 @@ class ImpulseEngine : public Engine {
     return set != 0 ? set : kWorkLimit + kWorkPerContact * plant_.touches.size();
   }
 
-  // Loads everything that a tick starts from: bodies, sleep, drives, contacts, warm start.
-  void prepare(const StepInput& input, const world::WorldState& state) {
+  // Loads everything that a tick starts from: bodies, sleep, drives, contacts, warm start. `may_stand`: if
+  // the tick is not made anew in another way.
+  void prepare(const StepInput& input, const world::WorldState& state, bool may_stand = false) {
     has_moved_ = false;
     moved_s_ = 0.0;
     plant_.bodies.load(state);
@@ -113,8 +124,8 @@ class ImpulseEngine : public Engine {
     // The memory ends with the guard's part, then that of sleep.
     const std::size_t guard = stepper_.guard().bytes(), rest = std::min(kept.size(), guard + sleep_.bytes());
     const auto first = std::span(kept).first(kept.size() - rest);
-    const WarmStart warm_start = read_warm_start(first, input.contacts, plant_);
-    stepper_.load_touches(input, state, warm_start);
+    warm_start_ = read_warm_start(first, input.contacts, plant_);
+    stepper_.load_touches(input, state, warm_start_, may_stand);
     stepper_.guard().read(std::span(kept).subspan(first.size(), std::min(guard, rest)));
   }
 
@@ -211,17 +222,20 @@ class ImpulseEngine : public Engine {
       if (!is_asleep(plant_, spring))
         state.joints[spring.spec.id.index()].effort = spring.total / input.tick_s;
     for (const Touch& touch : plant_.touches) {
+      if (touch.stands) continue;
       collision::Contact& contact = input.contacts[touch.contact];
       contact.normal_force_n = touch.total_normal / input.tick_s;
       contact.force_on_a_W = touch.total / input.tick_s;
       contact.torque_on_a_W = touch.total_twist / input.tick_s;
     }
-    std::vector<std::byte>& kept = state.engines[index_];
+    stepper_.note_standing(input, warm_start_);
     const std::size_t warm = warm_start_bytes(plant_), guard = stepper_.guard().bytes();
-    kept.resize(warm + guard + sleep_.bytes());
-    write_warm_start(plant_, input.contacts, kept);
-    stepper_.guard().write(std::span(kept).subspan(warm, guard));
-    sleep_.write(kept);
+    memory_.resize(warm + guard + sleep_.bytes());
+    write_warm_start(plant_, input.contacts, warm_start_, memory_);
+    stepper_.guard().write(std::span(memory_).subspan(warm, guard));
+    sleep_.write(memory_);
+    std::swap(state.engines[index_], memory_);
+    memory_.reserve(state.engines[index_].capacity());
     std::string offender;
     if (!is_sane(plant_.model, state, &offender)) return {false, offender};
     return {.warned = warned_};
@@ -251,6 +265,8 @@ class ImpulseEngine : public Engine {
   Plant plant_;
   Stepper stepper_;
   Sleep sleep_;
+  WarmStart warm_start_;              // of this tick, while it is made
+  std::vector<std::byte> memory_;     // its part of the state, as the tick leaves it
   world::WorldState within_;          // joints only: where the steps of this tick have led them so far
   std::vector<std::size_t> turning_;  // the joints in it that matter
   bool has_moved_ = false;            // in this tick

@@ -177,10 +177,12 @@ void IslandStepper::take_friction_as_rows() {
 
 bool IslandStepper::foresee(std::size_t island, IslandFate& fate) {
   begin(island, fate);
+  const std::uint64_t before = work_.taken();
   take_friction_as_rows();
   save_velocities();
   if (!find_impulses()) return false;
   fate.broken = nullptr;
+  fate.work[kAhead] = work_.taken() - before;
   return !(plan_.minds_tension && is_too_taut());
 }
 
@@ -375,10 +377,12 @@ void IslandStepper::start_after() {
 
 void IslandStepper::correct(std::size_t island, IslandFate& fate) {
   begin(island, fate);
+  const std::uint64_t before = work_.taken();
   commit();
   begin_after();
   if (!find_velocities()) fate.fell_short = true;
   give_back_energy();
+  fate.work[kAfter] = work_.taken() - before;
 }
 
 bool IslandStepper::find_velocities() {

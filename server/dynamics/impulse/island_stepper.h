@@ -36,6 +36,7 @@ struct IslandFate {
   bool inexact = false;   // the answer of the look-ahead or at t+h is (Bounded::is_inexact)
   bool wedged = false;    // contacts were found to be wedged: the look-ahead is to be made again
   bool held = false;      // of a limited step: its joints do not close, so that it stays where it was
+  std::array<std::uint64_t, kMoments> work{};  // units that the look-ahead and the end of the step have taken
   Course course;
   // Where nothing but gravity and drives does work on joints with rows, or on many contacts: the energy
   // before the look-ahead, J.
@@ -80,6 +81,8 @@ class IslandStepper {
   void count_impulses(std::size_t island);  // the first part of that
   // Computes poses, directions and factors at t.
   void factor(std::size_t island);
+  // Takes the work of an island that is not computed (standing.h).
+  void take(std::uint64_t units) { work_.take(units); }
 
   // island_limited.cc: the same with little work. `found`: appends the bodies that should have been held
   // better.

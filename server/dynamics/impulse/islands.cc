@@ -35,12 +35,14 @@ Islands::Islands(const Plant& plant)
 }
 
 void Islands::find(const Plant& plant, std::span<const Wrench> wrenches) {
-  // Without contacts and wrenches, now and in the last tick, the islands are the same.
-  if (plant.touches.empty() && touches_.things.empty() && wrenches.empty() && wrenches_.things.empty())
-    return;
+  pairs_.clear();
+  for (const TouchEnds& touch : plant.touches)
+    pairs_.push_back(touch.asleep ? std::array{-1, -1} : std::array{touch.a, touch.b});
+  std::swap(pairs_, last_pairs_);
+  // With the same pairs as in the last tick the islands are the same, too.
+  if (pairs_ == last_pairs_ && wrenches.empty() && wrenches_.things.empty()) return;
   sets_ = joined_;
-  for (const Touch& touch : plant.touches)
-    if (!touch.asleep) join_bodies(sets_, touch.a, touch.b);
+  for (const auto& [a, b] : last_pairs_) join_bodies(sets_, a, b);
   list(plant, wrenches);
 }
 

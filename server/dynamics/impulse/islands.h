@@ -3,6 +3,7 @@
 // engine moves, connect nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -47,6 +48,8 @@ class Islands {
   template <typename BodyOf>
   void list(Members& members, std::size_t count, BodyOf body_of);
 
+  // What contacts join, in the last tick and in this one: numbers of two bodies, of one that sleeps -1.
+  std::vector<std::array<int, 2>> last_pairs_, pairs_;
   world::DisjointSets joined_, sets_;  // of bodies: by joints and springs; by contacts, too
   std::vector<std::size_t> number_;    // by body that leads a set: the island's number
   std::size_t count_ = 0;

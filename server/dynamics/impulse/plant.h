@@ -90,13 +90,14 @@ struct AxesOf {
 
 // A contact as far as it is known before its island is: its place in the tick's list, the numbers of its
 // bodies (-1: this engine does not move it), whether it keeps the impulses that the last awake tick recorded,
-// and which record the warm start has of it.
+// which record the warm start has of it, and whether it stands: the rest of the touch means nothing then
+// (standing.h).
 struct TouchEnds {
   static constexpr std::size_t kNew = static_cast<std::size_t>(-1);  // there is no record
 
   std::size_t contact = 0, record = kNew;
   int a = -1, b = -1;
-  bool asleep = false;
+  bool asleep = false, stands = false;
 };
 
 // One contact during one tick. The columns of `frame` are the normal n and the tangents t1, t2, in W.
@@ -134,6 +135,11 @@ struct Touch : TouchEnds {
   // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
   std::optional<bool> rested;
 };
+
+// Velocity of a body that stands after the look-ahead, m/s: it is thrown up by as much as it falls in flight.
+inline Vector3d thrown_up(const Vector3d& gravity, double h) {
+  return -0.5 * h * gravity;
+}
 
 // Overlap that is left alone, m. A contact at rest then exists in every tick.
 inline constexpr double kSurfaceLayerM = 5e-7;

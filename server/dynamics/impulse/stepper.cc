@@ -50,7 +50,8 @@ StepPlan::Bounds bounds_of(const Plant& plant, const world::EngineSetting& setti
 
 }  // namespace
 
-Stepper::Stepper(Plant& plant) : plant_(plant), scratch_(plant), more_work_(plant.pool.threads() - 1) {
+Stepper::Stepper(Plant& plant)
+    : plant_(plant), scratch_(plant), standing_(plant), more_work_(plant.pool.threads() - 1) {
   plan_.bounds = bounds_of(plant, plant.setting);
   steppers_.push_back(std::make_unique<IslandStepper>(plant, plan_, scratch_, plant.work));
   for (WorkBudget& work : more_work_)
@@ -71,12 +72,18 @@ Stepper::Stepper(Plant& plant) : plant_(plant), scratch_(plant), more_work_(plan
 
 // Sleeping touches are in no island.
 void Stepper::load_touches(const StepInput& input, const world::WorldState& state,
-                           const WarmStart& warm_start) {
+                           const WarmStart& warm_start, bool may_stand) {
+  // Other kinds of steps than this one are not the same from tick to tick.
+  if (may_stand && !corrector_ && plant_.setting.order == 2)
+    standing_.find(input.tick_s, input.contacts, warm_start);
+  else
+    standing_.find_none();
   const auto load = [&](Touch& touch) {
     load_touch(plant_, input.contacts, state, touch);
     warm_start.load(touch);
   };
   const auto load_island = [&](std::size_t, std::size_t i) {
+    if (standing_.stands(i)) return;
     plant_.for_touches(i, load);
     note_landings(plant_, i, input.contacts, input.tick_s);
   };
@@ -131,6 +138,13 @@ void Stepper::count_sleeping() {
   }
 }
 
+bool Stepper::stand(IslandStepper& by, std::size_t island, Moment moment) {
+  if (!standing_.stands(island)) return false;
+  by.take(standing_.work(island, moment));
+  standing_.stand(island, moment);
+  return true;
+}
+
 // Impulses at t, then the bodies move, then velocities at t+h.
 bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::WorldState& state,
                    int cuts_left) {
@@ -142,12 +156,14 @@ bool Stepper::step(double h, std::span<const Wrench> wrenches, const world::Worl
   broken_ = nullptr;
   if (corrector_) guard_.begin(plant_);
   if (firm_) move_together();
-  const bool foreseen =
-      for_islands([](IslandStepper& by, std::size_t i, IslandFate& fate) { return by.foresee(i, fate); });
+  const bool foreseen = for_islands([this](IslandStepper& by, std::size_t i, IslandFate& fate) {
+    return stand(by, i, kAhead) || by.foresee(i, fate);
+  });
   read_fates();
   if (!foreseen || (plan_.iterates && !holds_together())) return false;
   move_free();
   for_islands([this](IslandStepper& by, std::size_t i, IslandFate& fate) {
+    if (stand(by, i, kAfter)) return true;
     by.correct(i, fate);
     if (!corrector_) by.finish(i);
     return true;

@@ -7,7 +7,7 @@
 
 #include "server/dynamics/impulse/energy_guard.h"
 #include "server/dynamics/impulse/island_stepper.h"
-#include "server/dynamics/impulse/warm_start.h"
+#include "server/dynamics/impulse/standing.h"
 #include "server/dynamics/step_input.h"
 
 namespace visum::dynamics::impulse {
@@ -21,8 +21,15 @@ class Stepper {
   Stepper(const Stepper&) = delete;
   Stepper& operator=(const Stepper&) = delete;
 
-  // Makes the touches that the plant lists, with what the warm start knows of them.
-  void load_touches(const StepInput& input, const world::WorldState& state, const WarmStart& warm_start);
+  // Makes the touches that the plant lists, with what the warm start knows of them. `may_stand`: the tick
+  // begins, and islands that stand need not be computed.
+  void load_touches(const StepInput& input, const world::WorldState& state, const WarmStart& warm_start,
+                    bool may_stand);
+  const Standing& standing() const { return standing_; }
+  // The tick was made. Keeps what the next one needs to tell which islands stand.
+  void note_standing(const StepInput& input, const WarmStart& warm_start) {
+    standing_.note(input.contacts, warm_start, fates_);
+  }
   // Moves the plant's bodies by h (s), with forces and drives as they were prepared. Returns false where a
   // joint cannot be closed or where shorter steps are needed. The caller must then restore the plant;
   // broken() names the joint, if there is one. `cuts_left`: how often the step may still be cut in halves.
@@ -69,6 +76,8 @@ class Stepper {
   // work is the same with any number of threads.
   template <typename Work>
   bool for_islands(Work work);
+  // Makes a moment of an island that stands. Returns false where it has to be computed.
+  bool stand(IslandStepper& by, std::size_t island, Moment moment);
   // How long an island's step takes, roughly, in any unit.
   std::size_t cost(std::size_t island) const;
   // Takes over what has been noted about the islands.
@@ -89,6 +98,7 @@ class Stepper {
   Plant& plant_;
   StepPlan plan_;
   StepScratch scratch_;
+  Standing standing_;
   std::vector<WorkBudget> more_work_;                     // of the threads beyond the first
   std::vector<std::unique_ptr<IslandStepper>> steppers_;  // by thread of the pool
   std::vector<IslandFate> fates_;                         // by island

@@ -12,7 +12,7 @@ struct Record {
   std::int32_t shape_a, shape_b, feature, rest;
   double impulse[3], twist[3], change[3];
 };
-static_assert(sizeof(Record) == 88);
+static_assert(sizeof(Record) == WarmStart::kBytes);
 
 // A stop that pushes has such a record, too: before all contacts, with this as its shape_a, its joint as
 // shape_b, its side as feature, and two numbers of `impulse` (Axis::KeptStop).
@@ -46,12 +46,8 @@ void unpack_rest(std::int32_t rest, Touch& touch) {
   touch.landed = std::clamp(kSmallestRiseM * (rest / 2), 0.0, kDeepestLandingM);
 }
 
-// Contacts and records are sorted by this key.
-auto key(const Record& record) {
+auto key_of(const Record& record) {
   return std::tuple(record.shape_a, record.shape_b, record.feature);
-}
-auto key(const collision::Contact& contact) {
-  return std::tuple(contact.shape_a.value, contact.shape_b.value, contact.feature);
 }
 
 Record record_at(std::span<const std::byte> bytes, std::size_t i) {
@@ -131,9 +127,9 @@ WarmStart read_warm_start(std::span<const std::byte> bytes, std::span<const coll
   // Touches and records are sorted alike: one pass finds the pairs.
   for (Touch& touch : plant.touches) {
     const collision::Contact& contact = contacts[touch.contact];
-    while (i < count && key(record_at(bytes, i)) < key(contact)) ++i;
+    while (i < count && key_of(record_at(bytes, i)) < key_of(contact)) ++i;
     if (i == count) break;
-    if (key(record_at(bytes, i)) == key(contact)) touch.record = i;
+    if (key_of(record_at(bytes, i)) == key_of(contact)) touch.record = i;
   }
   return {bytes};
 }
@@ -152,6 +148,10 @@ void WarmStart::load(Touch& touch) const {
   start_ahead(touch);
 }
 
+bool WarmStart::stays(const Touch& touch) const {
+  return record_at(records_, touch.record).rest == packed_rest(touch);
+}
+
 std::size_t warm_start_bytes(const Plant& plant) {
   std::size_t size = plant.touches.size() * sizeof(Record);
   for_pushing_stops(plant, [&](const Axis&, std::size_t) { size += sizeof(Record); });
@@ -159,16 +159,21 @@ std::size_t warm_start_bytes(const Plant& plant) {
   return size;
 }
 
-void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
+void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts, const WarmStart& from,
                       std::vector<std::byte>& bytes) {
   std::span<std::byte> records = write_predictions(plant, bytes);
   for_pushing_stops(plant,
                     [&](const Axis& axis, std::size_t side) { write_stop(plant, axis, side, records); });
   for (std::size_t i = 0; i < plant.touches.size(); ++i) {
     const Touch& touch = plant.touches[i];
+    if (touch.stands) {
+      std::ranges::copy(from.record(touch), records.begin());
+      records = records.subspan(WarmStart::kBytes);
+      continue;
+    }
     const collision::Contact& contact = contacts[touch.contact];
     const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
-    // A contact that sleeps or stands keeps its record as it is, to the last bit.
+    // A contact that sleeps or is frozen keeps its impulses as they are, to the last bit.
     Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist, change = touch.kept_change;
     if (!touch.asleep && !touch.frozen) {
       change.setZero();

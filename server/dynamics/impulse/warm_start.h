@@ -11,17 +11,33 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <tuple>
 #include <vector>
 
 #include "server/dynamics/impulse/plant.h"
 
 namespace visum::dynamics::impulse {
 
+// Contacts and records are sorted by it.
+inline auto key_of(const collision::Contact& contact) {
+  return std::tuple(contact.shape_a.value, contact.shape_b.value, contact.feature);
+}
+
 // The records of contacts in the bytes that read_warm_start() has looked at. The bytes must outlive it.
+// Several threads may read from it.
 class WarmStart {
  public:
+  static constexpr std::size_t kBytes = 88;  // of a record
+  using Bytes = std::span<const std::byte, kBytes>;
+
   WarmStart(std::span<const std::byte> records = {}) : records_(records) {}
-  void load(Touch& touch) const;  // reads the touch's record, if it has one; several threads may call it
+  void load(Touch& touch) const;  // reads the touch's record, if it has one
+  // Of a touch that has one: the record, and whether it is the one that a frozen touch leaves behind.
+  Bytes record(const TouchEnds& touch) const {
+    return records_.subspan(kBytes * touch.record).first<kBytes>();
+  }
+  bool stays(const Touch& touch) const;
 
  private:
   std::span<const std::byte> records_;
@@ -32,8 +48,8 @@ class WarmStart {
 WarmStart read_warm_start(std::span<const std::byte> bytes, std::span<const collision::Contact> contacts,
                           Plant& plant);
 std::size_t warm_start_bytes(const Plant& plant);
-// Writes the first warm_start_bytes() of `bytes`.
-void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts,
+// Writes the first warm_start_bytes() of `bytes`, which are not those that `from` reads.
+void write_warm_start(const Plant& plant, std::span<const collision::Contact> contacts, const WarmStart& from,
                       std::vector<std::byte>& bytes);
 
 }  // namespace visum::dynamics::impulse
