@@ -20,14 +20,18 @@ world::EngineSetting impulse() {
 }
 
 // Two towers of three, apart from each other, and a ball that lies between them.
-world::WorldModel two_towers(const world::EngineSetting& setting) {
-  ModelBuilder b(setting);
-  b.add_ground();
+void add_towers(ModelBuilder& b) {
   for (const std::string side : {"left", "right"})
     for (int i = 0; i < 3; ++i)
       b.add_box(side + std::to_string(i), {0.2, 0.2, 0.2}, 1.0 + i,
                 at(side == "left" ? -1.0 : 1.0, 0, 0.1 + 0.2 * i - physics::kTouch * (i + 1)));
   b.add_sphere("ball", 0.1, 1.0, at(0, 0, 0.1 - physics::kTouch));
+}
+
+world::WorldModel two_towers(const world::EngineSetting& setting) {
+  ModelBuilder b(setting);
+  b.add_ground();
+  add_towers(b);
   return b.model;
 }
 
@@ -122,6 +126,18 @@ TEST_F(Disturbed, ByAnImpulseInItsMemory) {
   });
 }
 
+// What a tick stops does not begin as it ends, and is stopped again where it begins so again.
+TEST_F(Disturbed, ByATickThatComesAgain) {
+  disturb([](Lab& of) { of.body("left1").w_WB.z() = 1e-300; });
+  for (Lab* of : {&lab, &fresh}) of->body("left1").w_WB.z() = 1e-300;
+  const world::WorldState moving = lab.state;
+  for (int again = 0; again < 3; ++again) {
+    lab.state = fresh.state = moving;
+    step_alike(lab, fresh);
+    EXPECT_EQ(lab.body("left1").w_WB.z(), 0.0);
+  }
+}
+
 // With everything that may come between two ticks, in any order.
 TEST(Standing, BitsAreThoseOfAnEngineThatComputesAll) {
   for (const unsigned seed : {1u, 2u, 3u}) {
@@ -202,12 +218,12 @@ TEST(Standing, NothingStandsWithOtherKindsOfSteps) {
 TEST(Standing, ALimitOfWorkIsMetAlike) {
   world::EngineSetting setting = impulse();
   setting.work_limit = 30'000;
-  world::WorldModel model = two_towers(setting);
   ModelBuilder b(setting);
-  b.model = model;
+  b.add_ground();
   for (int i = 0; i < 27; ++i)
     b.add_box("fallen" + std::to_string(i), {0.1, 0.1, 0.1}, 1.0,
               at(5 + 0.12 * (i % 3), 0.12 * (i / 3 % 3), 1.2 + 0.12 * (i / 9), 0.3 * i, {0.3, 1, 0.2}));
+  add_towers(b);
   Lab lab(b.model), fresh(b.model);
   int limited = 0, stood = 0;
   for (int tick = 0; tick < 900; ++tick) {
@@ -218,6 +234,38 @@ TEST(Standing, ALimitOfWorkIsMetAlike) {
   }
   EXPECT_GT(stood, 100);
   EXPECT_GT(limited, 5);
+}
+
+// A tick that is made in shorter steps is computed as a whole: here a heavy end that hangs on light rods is
+// kicked.
+TEST(Standing, NothingStandsInATickThatIsCut) {
+  ModelBuilder b(impulse());
+  b.add_ground();
+  add_towers(b);
+  BodyId last;
+  for (int i = 0; i < 4; ++i) {
+    const double mass_kg = i == 3 ? 10.0 : 0.01;
+    const BodyId rod =
+        b.add_box("rod" + std::to_string(i), {0.01, 0.01, 0.2}, mass_kg, at(5, 0, 5.9 - 0.2 * i));
+    b.add_joint("hinge" + std::to_string(i), world::JointKind::kHinge, last, rod, {5, 0, 6.0 - 0.2 * i},
+                {0, 1, 0});
+    last = rod;
+  }
+  Lab lab(b.model), fresh(b.model);
+  for (Lab* of : {&lab, &fresh}) {
+    of->run(0.3);
+    of->body("rod3").v_WC.x() = 5.0;
+  }
+  int cut = 0, stood = 0;
+  for (int tick = 0; tick < 400; ++tick) {
+    const StepResult result = step_alike(lab, fresh);
+    EXPECT_TRUE(!result.warned || result.standing == 0) << tick;
+    cut += result.warned;
+    stood += result.standing == 2 * kOfTower + 1;
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(cut, 10);
+  EXPECT_GT(stood, 10);
 }
 
 }  // namespace
