@@ -60,7 +60,7 @@ constexpr double kSameEnergy =
 constexpr int kMostCuts = 12;  // halvings of the interval in which a bounce may lie
 constexpr double kComesToRest =
     0.1;  // share of the miss that is allowed at rest: a body that has moved must get below it to rest
-// Share of what a body falls in a step: an island that has rested, and moves by no more, is frozen. The
+// Share of what a body falls in a step: an island that moves by no more stands still, and is frozen. The
 // little that is missing would otherwise add up, and move it for ever. It must not grow with the island: a
 // light body beneath a heavy one would hold its neighbours.
 constexpr double kFrozenShare = 1e-8;
@@ -294,8 +294,8 @@ double Bounded::solve_rows() {
   // moved gets the smaller bound kComesToRest.
   const bool rested = moment_ == kAfter ? course_->rests : has_rested();
   const double rest = rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
-  const bool may_freeze = rested && moment_ != kHit;
-  system_.freezes_below = may_freeze ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
+  const double slow = moment_ == kHit ? 0.0 : kFrozenShare * plant_.model.gravity.norm() * std::abs(h_);
+  system_.freezes_below = rested ? slow : 0.0;
   const Vector3d still = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
   std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
   double missed = 0.0;
@@ -306,17 +306,26 @@ double Bounded::solve_rows() {
     report();  // the best that was reached
     throw;
   }
+  note_rest(responses_.empty() && rows_.is_still(slow));
+  if (system_.changed) store_velocities();
+  return missed;
+}
+
+// An island that stands still rests, though its solutions may miss a little: where that is less than they
+// may, nothing would ever be done about it.
+void Bounded::note_rest(bool still) {
   if (moment_ == kAhead) {
     course_->rests = course_->rests && system_.rests;
     course_->frozen = course_->rests && system_.frozen;
+    course_->still = still;
   }
-  if (moment_ == kAfter)
-    for (const std::size_t i : plant_.islands.touches(island_)) {
-      plant_.touches[i].rested = system_.rests;
-      plant_.touches[i].frozen = course_->frozen && system_.frozen;
-    }
-  if (system_.changed) store_velocities();
-  return missed;
+  if (moment_ != kAfter) return;
+  for (const std::size_t i : plant_.islands.touches(island_)) {
+    Touch& touch = plant_.touches[i];
+    touch.still = course_->still && still;
+    touch.rested = system_.rests || touch.still;
+    touch.frozen = course_->frozen && system_.frozen;
+  }
 }
 
 void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w) {

@@ -14,6 +14,7 @@ inline constexpr double kMostPush = 0.5;  // m/s
 struct Course {
   bool rests = true;    // nothing had to be solved
   bool frozen = false;  // and the island stood still
+  bool still = false;   // solved or not, it stood still
   bool gently = false;  // solves by a few softened sweeps
 };
 
@@ -157,6 +158,8 @@ class Bounded {
   double work(std::size_t block) const;
   // True if the last tick needed no change of the contacts' impulses.
   bool has_rested() const;
+  // Notes what the moment says of rest. `still`: nothing moves.
+  void note_rest(bool still);
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }
   // Copies the velocities of bodies and mechanisms into the rows, and what the rows changed back.
   void load_velocities();

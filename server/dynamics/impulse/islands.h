@@ -48,7 +48,7 @@ class Islands {
   template <typename BodyOf>
   void list(Members& members, std::size_t count, BodyOf body_of);
 
-  // What contacts join, in the last tick and in this one: numbers of two bodies, of one that sleeps -1.
+  // By touch of the last tick and of this one, the numbers of the two bodies that it joins; -1 if it sleeps.
   std::vector<std::array<int, 2>> last_pairs_, pairs_;
   world::DisjointSets joined_, sets_;  // of bodies: by joints and springs; by contacts, too
   std::vector<std::size_t> number_;    // by body that leads a set: the island's number

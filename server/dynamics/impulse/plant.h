@@ -121,6 +121,7 @@ struct Touch : TouchEnds {
   bool yields = false;    // one of the two bodies moves by another engine
   bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
   bool frozen = false;    // its island stood still in this step, with the impulses of the last tick
+  bool still = false;     // next to nothing moved in its island in this step
   bool wedged = false;    // in this step: it yields, since nothing that the joints allow opens it
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
@@ -132,7 +133,8 @@ struct Touch : TouchEnds {
   Vector3d total_twist = Vector3d::Zero();  // the same for the twist
   Vector3d kept_impulse, kept_twist;        // on A, in W, of one half of a tick
   Vector3d kept_change;  // on A, in W: by how much the end of the last step gave more than its look-ahead
-  // The last tick needed no change of the impulses in this contact's island. Nothing: the contact is new.
+  // In the last tick this contact's island needed no change of its impulses, or stood still. Nothing: the
+  // contact is new.
   std::optional<bool> rested;
 };
 

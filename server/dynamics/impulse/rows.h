@@ -29,8 +29,8 @@ struct RowIsland {
   bool movable = false;               // every row can be moved; prepare() finds that
   double largest_change = 0.0;        // of a velocity by an impulse, since prepare(), m/s or rad/s
   bool rests = false;                 // the last solve() had nothing to do
-  // An island that misses and moves by no more than this (m/s, rad/s; 0: none) is frozen by solve(): each
-  // body gets the velocity `still` of one that stands, angular before linear.
+  // An island that misses no more than a solution may, and moves by no more than this (m/s, rad/s; 0: none),
+  // is frozen by solve(): each body gets the velocity `still` of one that stands, angular before linear.
   double freezes_below = 0.0;
   std::array<double, 6> still{};
   bool frozen = false;
@@ -79,6 +79,9 @@ class Rows {
   void soften(double share);
   // The blocks' `give` has changed.
   void note_gives() { hold_softly(least_softness()); }
+  // True if free bodies move by no more than `limit`, m/s or rad/s, from how they stand (RowIsland::still);
+  // not if that is 0.
+  bool is_still(double limit) const;
   // A few sweeps only. Impulses that push against each other stay small, even if the rows are far from their
   // targets.
   double sweep_gently(int sweeps);
@@ -155,8 +158,6 @@ class Rows {
   // rows_rest.cc: true if next to nothing is missing with the impulses at the start, so that they are the
   // answer. Freezes the island if it stands still.
   bool rest_at_start(double least, double share, double rest);
-  // True if no body moves faster than `limit`, m/s or rad/s; not if that is 0.
-  bool is_still(double limit) const;
   // Largest miss of any block, without correcting it. Calls find_errors(), which fills errors_.
   double largest_miss();
   void find_errors();

@@ -16,8 +16,7 @@ bool Rows::rest_at_start(double least, double share, double rest) {
   island_->frozen = false;
   if (rest == 0.0 || !responses_.empty()) return false;
   const double missed = largest_miss(), change = note_change();
-  const double limit = std::min(island_->freezes_below, std::max(least, share * change));
-  island_->frozen = missed <= limit && is_still(limit);
+  island_->frozen = missed <= std::max(least, share * change) && is_still(island_->freezes_below);
   if (!island_->frozen) return missed <= rest * std::max(least, kRestShare * share * change);
   for (std::size_t i = 0; i < velocities_.size(); ++i) velocities_[i] = island_->still[i % 6];
   return island_->changed = true;

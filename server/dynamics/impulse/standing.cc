@@ -114,7 +114,7 @@ void Standing::give_forces(std::span<Contact> contacts) const {
 
 bool Standing::was_left_as_it_was(std::size_t island, std::span<const Contact> contacts,
                                   const WarmStart& warm_start) const {
-  // What other engines and the scene move may move on.
+  // Bodies that other engines or the scene move may move on.
   const auto is_fixed = [&](int number, world::BodyId id) {
     return number >= 0 || plant_.model.bodies[id.index()].fixed;
   };

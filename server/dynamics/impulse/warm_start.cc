@@ -110,9 +110,15 @@ bool is_jointed(const Plant& plant, int body) {
   return body >= 0 && plant.places[static_cast<std::size_t>(body)].mechanism >= 0;
 }
 
-// In W. Where joints take part, drives start from what they gave for the look-ahead, so contacts do the same.
-Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>& given, bool jointed) {
-  if (jointed) return touch.frame * given[kAhead];
+// True if the next tick starts either moment from what it was given. Where joints take part, drives do so,
+// too. Where nothing moves, either moment needs what it was given.
+bool starts_apart(const Plant& plant, const Touch& touch) {
+  return touch.still || is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+}
+
+// In W.
+Vector3d to_start_from(const Touch& touch, const std::array<Vector3d, kMoments>& given, bool apart) {
+  if (apart) return touch.frame * given[kAhead];
   return touch.frame * (0.5 * (given[kAhead] + given[kAfter]));
 }
 
@@ -172,15 +178,15 @@ void write_warm_start(const Plant& plant, std::span<const collision::Contact> co
       continue;
     }
     const collision::Contact& contact = contacts[touch.contact];
-    const bool jointed = is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+    const bool apart = starts_apart(plant, touch);
     // A contact that sleeps or is frozen keeps its impulses as they are, to the last bit.
     Vector3d impulse = touch.kept_impulse, twist = touch.kept_twist, change = touch.kept_change;
     if (!touch.asleep && !touch.frozen) {
       change.setZero();
-      if (jointed) change = touch.frame * (touch.impulse[kAfter] - touch.impulse[kAhead]);
-      impulse = to_start_from(touch, touch.impulse, jointed);
+      if (apart) change = touch.frame * (touch.impulse[kAfter] - touch.impulse[kAhead]);
+      impulse = to_start_from(touch, touch.impulse, apart);
       twist.setZero();
-      if (is_held_from_turning(touch)) twist = to_start_from(touch, touch.twist, jointed);
+      if (is_held_from_turning(touch)) twist = to_start_from(touch, touch.twist, apart);
     }
     const Record record{contact.shape_a.value,
                         contact.shape_b.value,

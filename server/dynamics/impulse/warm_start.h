@@ -1,13 +1,13 @@
 // The warm start: impulses of joints and contacts in the last ticks, from which the next tick's solution
 // starts. It is the engine's own part of the world's state, so a restored world goes on with the same bits. A
-// contact between free bodies keeps the mean of the impulses at the look-ahead and at the end of the step: if
-// the first gave too much, to move a contact to its place, the second took it back.
+// contact between free bodies that move keeps the mean of the impulses at the look-ahead and at the end of
+// the step: if the first gave too much, to move a contact to its place, the second took it back.
 //
 // Format: for each mechanism that predicts, the bytes of its prediction (prediction.h). Then one record for
 // each joint's stop that pushes, as if it were a contact (warm_start.cc), and one for each contact, in their
 // order: shape_a, shape_b, feature, rest and landing (32 bits each, warm_start.cc), impulse and twist in W,
 // and by how much the end of the step gave more than the look-ahead (3 doubles each; the last is 0 between
-// free bodies). Native endianness, as the rest of a snapshot. A sleeping contact keeps its record.
+// free bodies that move). Native endianness, as the rest of a snapshot. A sleeping contact keeps its record.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class WarmStart {
 
   WarmStart(std::span<const std::byte> records = {}) : records_(records) {}
   void load(Touch& touch) const;  // reads the touch's record, if it has one
-  // Of a touch that has one: the record, and whether it is the one that a frozen touch leaves behind.
+  // The record of a touch that has one, and whether the touch, frozen, leaves the same one behind.
   Bytes record(const TouchEnds& touch) const {
     return records_.subspan(kBytes * touch.record).first<kBytes>();
   }

@@ -113,7 +113,7 @@ TEST_F(Disturbed, ByAPlace) {
   });
 }
 
-// Which of its contacts it is does not matter.
+// The fourth record is one of the left tower's contacts.
 TEST_F(Disturbed, ByAnImpulseInItsMemory) {
   disturb([](Lab& of) {
     std::vector<std::byte>& kept = of.state.engines[0];
@@ -126,7 +126,7 @@ TEST_F(Disturbed, ByAnImpulseInItsMemory) {
   });
 }
 
-// What a tick stops does not begin as it ends, and is stopped again where it begins so again.
+// A tick that stops something does not end as it began, and stops it again where it begins so again.
 TEST_F(Disturbed, ByATickThatComesAgain) {
   disturb([](Lab& of) { of.body("left1").w_WB.z() = 1e-300; });
   for (Lab* of : {&lab, &fresh}) of->body("left1").w_WB.z() = 1e-300;
@@ -186,7 +186,7 @@ TEST(Standing, BitsAreThoseOfAnEngineThatComputesAll) {
   }
 }
 
-// What carries it may begin to move, and its speed is no part of the contact.
+// The plate may begin to move, and its speed is no part of the contact.
 TEST(Standing, NothingStandsOnWhatTheSceneMoves) {
   ModelBuilder b(impulse());
   const BodyId plate = b.add_fixed_box("plate", {1, 1, 0.1}, at(0, 0, -0.05));
