@@ -72,8 +72,8 @@ class Standing {
   BodiesMotion began_, last_began_;   // where this tick began, and the last one that was noted
   std::vector<std::size_t> repeats_;  // by island: in kept_islands_
   std::vector<std::size_t> match_;    // by touch: in kept_, the one that was given the same
-  // The islands of the last tick that may stand in this one, and their touches in the order of contacts. note()
-  // makes the next ones.
+  // The islands of the last tick that may stand in this one, and their touches in the order of contacts.
+  // note() makes the next ones.
   std::vector<KeptIsland> kept_islands_, next_islands_;
   std::vector<KeptTouch> kept_, next_;
   std::vector<std::size_t> next_island_;  // by touch: in next_islands_
