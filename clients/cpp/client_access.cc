@@ -9,6 +9,7 @@ protocol::Reply ClientAccess::request(Client& client, const protocol::Request& r
 }
 
 void ClientAccess::post(Client& client, const protocol::Request& request) try {
+  ++client.state_->requests;
   client.state_->link().post(request);
 } catch (const protocol::ConnectionError& error) {
   throw Error(ErrorCode::kConnection, error.what());

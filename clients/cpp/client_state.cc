@@ -1,5 +1,8 @@
 #include "clients/cpp/client_state.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace visum::detail {
 
 ClientState& PartState::connected() const {
@@ -42,6 +45,14 @@ void PartState::forget_writes() {
   for (auto* flags : {&set, &staged, &last_write}) flags->assign(input_ports.size(), false);
 }
 
+std::vector<std::string> PartState::next_blackboards() {
+  std::vector<std::string> steady;
+  std::ranges::set_intersection(boards_read, boards_read_before, std::back_inserter(steady));
+  boards_read_before = std::exchange(boards_read, {});
+  boards.clear();
+  return steady;
+}
+
 protocol::Connection& ClientState::link() {
   if (!connection) throw Error(ErrorCode::kConnection, "the connection was dropped");
   return *connection;
@@ -57,6 +68,7 @@ protocol::Reply ClientState::wait(std::uint64_t id) try {
 
 protocol::Reply ClientState::request(const protocol::Request& request, const std::string& part,
                                      const std::string& port) try {
+  ++requests;
   return link().request(request);
 } catch (const protocol::RequestError& refusal) {
   throw to_error(refusal, part, port);
@@ -68,6 +80,7 @@ void ClientState::post(const PartState& part, protocol::Write write) {
   if (pending.size() >= kMaxPending) {
     if (auto refusal = settle_oldest()) throw *refusal;
   }
+  ++requests;
   try {
     // No tick comes before this member's next Advance, which takes the write along.
     const auto id = holds_world ? link().send_along(write) : link().send(write);
@@ -115,10 +128,12 @@ void ClientState::set_time(std::int64_t new_tick, std::int64_t new_time_ns, std:
   era = new_era;
 }
 
-std::vector<std::uint64_t> ClientState::send_with_reads(std::vector<protocol::Request> requests) {
-  for (const PartState* part : parts) requests.push_back(protocol::Read{part->name});
+std::vector<std::uint64_t> ClientState::send_with_reads(std::vector<protocol::Request> messages,
+                                                        std::span<const protocol::ReadBlackboard> boards) {
+  for (const PartState* part : parts) messages.push_back(protocol::Read{part->name});
+  messages.insert(messages.end(), boards.begin(), boards.end());
   try {
-    return link().send_together(requests);
+    return link().send_together(messages);
   } catch (const protocol::ConnectionError& error) {
     throw Error(ErrorCode::kConnection, error.what());
   }
@@ -128,12 +143,18 @@ std::vector<std::uint64_t> ClientState::send_with_reads(std::vector<protocol::Re
 // Advanced comes.
 void ClientState::begin_advance(std::int64_t ticks) {
   if (!advancing.empty()) throw Error(ErrorCode::kMisuse, "an advance is under way already");
-  advancing = send_with_reads({protocol::Advance{ticks}});
+  advancing_boards.clear();
+  if (holds_world)
+    for (PartState* part : parts)
+      for (const std::string& name : part->next_blackboards())
+        advancing_boards.push_back({part->name, name, 0, 0});
+  advancing = send_with_reads({protocol::Advance{ticks}}, advancing_boards);
 }
 
 void ClientState::read_all() {
   throw_refusals();
-  const auto ids = send_with_reads({});
+  ++requests;
+  const auto ids = send_with_reads({}, {});
   std::vector<protocol::Reply> samples;
   for (const auto id : ids) samples.push_back(wait(id));
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -175,6 +196,9 @@ void ClientState::finish_advance(const protocol::Reply& reply) {
   }
   const auto now = as<protocol::Advanced>(reply);
   set_time(now.tick, now.sim_time_ns, now.era);
+  const std::size_t first_board = samples.size() - advancing_boards.size();
+  for (std::size_t i = 0; i < advancing_boards.size(); ++i)
+    take_blackboard(advancing_boards[i], std::move(samples[first_board + i]));
   for (std::size_t i = 0; i < parts.size(); ++i) take_sample(*parts[i], std::move(samples[i]));
   if (refusal) throw *refusal;
 }
@@ -192,6 +216,25 @@ void ClientState::take_sample(PartState& part, protocol::Reply reply) {
   if (const auto* error = std::get_if<protocol::Error>(&reply)) throw to_error(*error, part.name);
   part.apply(as<protocol::PartSample>(std::move(reply)));
   part.fresh = true;
+}
+
+// A blackboard that cannot be read is asked for again, and then refused, where the program reads it.
+void ClientState::take_blackboard(const protocol::ReadBlackboard& board, protocol::Reply reply) {
+  auto* data = std::get_if<protocol::BlackboardData>(&reply);
+  if (data == nullptr || !holds_world) return;
+  for (PartState* part : parts)
+    if (part->name == board.part) part->boards[board.name] = std::move(data->data);
+  brought_at = requests;
+}
+
+std::vector<std::byte> ClientState::read_blackboard(PartState& part, const std::string& name) {
+  part.boards_read.insert(name);
+  // A second read asks, since other clients may have changed something.
+  if (auto brought = part.boards.extract(name); !brought.empty() && requests == brought_at)
+    return std::move(brought.mapped());
+  return std::move(
+      request_as<protocol::BlackboardData>(protocol::ReadBlackboard{part.name, name, 0, 0}, part.name, name)
+          .data);
 }
 
 }  // namespace visum::detail

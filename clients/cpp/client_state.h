@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +34,10 @@ struct PartState {
   std::int64_t tick = 0, time_ns = 0;
   std::uint64_t era = 0;
   bool fresh = false;  // an advance has brought a sample, and no read() has used it yet
+  // Blackboards that were read since the last advance, and between the two before it; and what an advance has
+  // brought of them.
+  std::set<std::string> boards_read, boards_read_before;
+  std::map<std::string, std::vector<std::byte>> boards;
 
   bool leased = false;
   int exceptions_at_acquire = 0;
@@ -42,6 +49,9 @@ struct PartState {
   std::size_t end_of_run(std::size_t first) const;
   void end_lease();
   void forget_writes();
+  // An advance begins. Returns the blackboards that it should bring along: those that were read in the last
+  // two periods.
+  std::vector<std::string> next_blackboards();
 };
 
 // A Write that was sent, and whose answer was not read yet.
@@ -61,7 +71,10 @@ struct ClientState {
   std::uint64_t era = 0;
   bool holds_world = false;              // the clock is lockstep, and this client has joined
   std::vector<std::uint64_t> advancing;  // the requests of the advance that is under way; empty: none is
-  std::int64_t ahead_ns = 0;             // how far the ticks asked for are ahead of the sum of the periods
+  std::vector<protocol::ReadBlackboard> advancing_boards;  // the last ones of them
+  std::uint64_t requests = 0;    // counts those of the program that are not part of an advance
+  std::uint64_t brought_at = 0;  // what `requests` was when the last advance in lockstep ended
+  std::int64_t ahead_ns = 0;     // how far the ticks asked for are ahead of the sum of the periods
 
   static constexpr std::size_t kMaxPending = 32;  // writes in flight before one is waited for
 
@@ -76,6 +89,8 @@ struct ClientState {
   // Waits for the answers to all writes in flight. Returns the first refusal.
   std::optional<Error> settle();
   void throw_refusals();
+  // Takes in lockstep what the last advance has brought, if nothing was asked since.
+  std::vector<std::byte> read_blackboard(PartState& part, const std::string& name);
 
   // One round trip. A refusal becomes an Error with part and port.
   protocol::Reply request(const protocol::Request& request, const std::string& part = {},
@@ -92,9 +107,12 @@ struct ClientState {
 
  private:
   void finish_advance(const protocol::Reply& reply);
-  // Sends a request for a sample of each part, behind those in `requests`. Returns the ids of all.
-  std::vector<std::uint64_t> send_with_reads(std::vector<protocol::Request> requests);
+  // Sends a request for a sample of each part, behind `messages`, and then those for blackboards. Returns the
+  // ids of all.
+  std::vector<std::uint64_t> send_with_reads(std::vector<protocol::Request> messages,
+                                             std::span<const protocol::ReadBlackboard> boards);
   void take_sample(PartState& part, protocol::Reply reply);
+  void take_blackboard(const protocol::ReadBlackboard& board, protocol::Reply reply);
   // The Error for a refused advance: the lockstep's time-out if that is the reason.
   Error explain(const protocol::Error& refusal);
   protocol::Reply wait(std::uint64_t id);

@@ -213,9 +213,7 @@ const std::vector<BlackboardInfo>& Part::blackboards() const {
 }
 
 std::vector<std::byte> Part::read_blackboard(const std::string& name) const {
-  auto board = state_->connected().request_as<protocol::BlackboardData>(
-      protocol::ReadBlackboard{state_->name, name, 0, 0}, state_->name, name);
-  return std::move(board.data);
+  return state_->connected().read_blackboard(*state_, name);
 }
 
 void Part::write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset) {

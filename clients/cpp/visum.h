@@ -222,6 +222,8 @@ class Part {
   ParameterValue parameter(const std::string& name) const;
   void set_parameter(const std::string& name, const ParameterValue& value);
   const std::vector<BlackboardInfo>& blackboards() const;
+  // In one round trip. In lockstep, a blackboard that is read in each period comes with the advance, as the
+  // outputs do: right after it the first read is free.
   std::vector<std::byte> read_blackboard(const std::string& name) const;
   // At offset 0 the data become the whole content.
   void write_blackboard(const std::string& name, std::span<const std::byte> data, std::uint64_t offset = 0);

@@ -64,6 +64,30 @@ TEST_F(ClientLibrary, BringsTheSampleOfTheTickThatItAdvancedTo) {
   }
 }
 
+// It comes with the advance, from the third period on. What was asked since makes it old.
+TEST_F(ClientLibrary, ReadsABlackboardAsItIsNow) {
+  start(ClockKind::kLockstep);
+  Client client = connect("reader");
+  Part arm = client.part("arm");
+  arm.acquire();
+  client.join();
+  const auto period = [&](bool writes) {
+    client.advance_ms(1);
+    std::vector<double> row{9.0};
+    for (const double value : arm.outputs("Actual Angle").values()) row.push_back(value);
+    for (const double value : arm.outputs("Actual Finger Position").values()) row.push_back(value);
+    if (writes) arm.write_blackboard("Trajectory", std::as_bytes(std::span(row)));
+    return arm.read_blackboard("Trajectory").size();
+  };
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(period(false), 0u);
+  EXPECT_EQ(period(true), 80u);
+  EXPECT_EQ(period(false), 80u);
+  for (int i = 0; i < 4; ++i) {
+    client.advance_ms(1);
+    EXPECT_THROW(arm.read_blackboard("Trajektory"), Error);
+  }
+}
+
 TEST_F(ClientLibrary, CountsPeriodsThatAreNoMultipleOfTheTickWithoutDrift) {
   start(ClockKind::kLockstep);
   Client client = connect("odd");

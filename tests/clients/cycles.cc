@@ -1,11 +1,12 @@
-// A controller that commands an angle in each of many cycles of 10 ms, with the C++ library: CONNECT CYCLES.
+// A controller that commands an angle in each of many cycles of 10 ms, with the C++ library, and reads
+// blackboards: CONNECT CYCLES [BLACKBOARD...].
 #include <cstdio>
 #include <cstdlib>
 
 #include "clients/cpp/visum.h"
 
 int main(int argc, char** argv) try {
-  if (argc != 3) return EXIT_FAILURE;
+  if (argc < 3) return EXIT_FAILURE;
   const int cycles = std::atoi(argv[2]);
   visum::ClientOptions options;
   options.name = "cycles";
@@ -19,6 +20,7 @@ int main(int argc, char** argv) try {
     arm.write();
     client.advance_ms(10);
     arm.read();
+    for (int i = 3; i < argc; ++i) arm.read_blackboard(argv[i]);
   }
   client.leave();
   arm.release();

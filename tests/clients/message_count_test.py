@@ -16,6 +16,8 @@ AHEAD = 8  # steps for which visum run sends one message
 SLACK = 2  # how far visum run may be from the controller's cycle, in its messages
 ATTEMPTS = 6
 
+BOARD = "Trajectory"  # that a controller reads in each cycle, if it is told
+
 # As cycles.cc, in Python.
 CONTROLLER = """import sys, visum
 with visum.Client(sys.argv[1], name='cycles') as client:
@@ -28,6 +30,8 @@ with visum.Client(sys.argv[1], name='cycles') as client:
         arm.write()
         client.advance_ms(10)
         arm.read()
+        for board in sys.argv[3:]:
+            arm.read_blackboard(board)
     client.leave()
     arm.release()
 """
@@ -46,9 +50,9 @@ class MessageCount(Scenario):
         self.python = self.folder / "cycles.py"
         self.python.write_text(CONTROLLER)
 
-    def counts_of(self, command, more="", code=0):
+    def counts_of(self, command, more="", code=0, boards=()):
         """The messages of each client between two Advances of the controller: [to the server, to the client]."""
-        command = [str(word) for word in (*command, "{connect}", CYCLES)]
+        command = [str(word) for word in (*command, "{connect}", CYCLES, *boards)]
         scenario = self.write(f"settle_s: 0.1\ncontrollers:\n  - {{name: cycles, command: {json.dumps(command)}}}\n"
                               "checks:\n  - {that: {port: {part: arm, name: Part State}, below: 2}, when: always}\n" + more)
         file = self.folder / "counts"
@@ -62,12 +66,12 @@ class MessageCount(Scenario):
         first, last = json.loads(lines[FIRST]), json.loads(lines[LAST])
         return {name: [b - a for a, b in zip(first[name], last[name])] for name in last}
 
-    def assert_one_each_way(self, command):
+    def assert_one_each_way(self, command, *boards):
         """A client sends its exact number each time. visumd keeps no answer back any longer where the machine stalls for a
         millisecond, and then it sends more often than it has to: the least of some runs counts."""
         least = {}
         for _ in range(ATTEMPTS):
-            for name, counts in self.counts_of(command).items():
+            for name, counts in self.counts_of(command, boards=boards).items():
                 least[name] = [min(pair) for pair in zip(counts, least.get(name, counts))]
             self.assertEqual(least["cycles"][0], COUNTED)
             self.assertAlmostEqual(least["scenario"][0], COUNTED // AHEAD, delta=SLACK)
@@ -83,6 +87,10 @@ class MessageCount(Scenario):
 
     def test_a_cycle_of_a_controller_in_python_is_one_message_each_way(self):
         self.assert_one_each_way([sys.executable, self.python])
+
+    def test_a_blackboard_that_is_read_in_each_cycle_comes_along(self):
+        self.assert_one_each_way([BIN / "visum-test-cycles"], BOARD)
+        self.assert_one_each_way([sys.executable, self.python], BOARD)
 
     def test_where_a_condition_decides_visum_run_has_a_message_for_each_step(self):
         never = "timeline:\n  - {when: {port: {part: arm, name: Part State}, above: 99}, say: never}\n"

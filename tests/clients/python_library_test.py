@@ -5,6 +5,7 @@ import importlib.util
 import itertools
 import os
 import socket
+import struct
 import subprocess
 import sys
 import unittest
@@ -116,6 +117,41 @@ class Exchanges(unittest.TestCase):
                 arm.read()
                 self.assertEqual((counted.sent - before, arm.sample_tick), (sent, client.tick))
             self.assertEqual(desired[0], in_force, "what was set without the lease is forgotten")
+
+    def test_a_blackboard_that_is_read_in_each_period_comes_with_the_advance(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect, role="admin") as client:
+            arm = client.part("arm")
+            arm.acquire()
+            client.join()
+            counted = client.connection._socket = CountingSocket(client.connection._socket)
+
+            def period(*calls):
+                before = counted.sent
+                client.advance_ticks(1)
+                last = [call() for call in calls][-1:]
+                return counted.sent - before, *last
+
+            def read():
+                return len(arm.read_blackboard("Trajectory"))
+
+            row = struct.pack("<10d", 9.0, *arm.outputs("Actual Angle").values(), *arm.outputs("Actual Finger Position").values())
+            self.assertEqual([period(read) for _ in range(4)], [(2, 0), (2, 0), (1, 0), (1, 0)])
+            self.assertEqual(period(read, read), (2, 0), "a second read asks")
+            write = (lambda: arm.write_blackboard("Trajectory", row))
+            self.assertEqual(period(write, read), (3, len(row)), "what the advance has brought is older than the write")
+            self.assertEqual(period(read), (1, len(row)))
+            self.assertEqual(period(client.reset, read), (3, 0))
+            self.assertEqual(period(read), (1, 0))
+            self.assertEqual([period(), period(read), period(read), period(read)], [(1,), (2, 0), (2, 0), (1, 0)])
+
+    def test_a_blackboard_that_is_refused_is_refused_where_it_is_read(self):
+        with Daemon("--clock", "lockstep") as daemon, visum.Client(daemon.connect) as client:
+            arm = client.part("arm")
+            client.join()
+            for _ in range(4):
+                client.advance_ticks(1)
+                with self.assertRaisesRegex(visum.Error, "Trajektory"):
+                    arm.read_blackboard("Trajektory")
 
     def test_without_a_lockstep_a_read_asks(self):
         with Daemon("--clock", "free") as daemon, visum.Client(daemon.connect) as client:

@@ -76,6 +76,7 @@ class Client:
         self._ahead_ns = 0  # how far the ticks that were asked for are ahead of the sum of the periods
         self._holds_world = False  # the clock is lockstep, and this client has joined
         self._advance: list[int] = []  # the numbers of an advance under way and of the reads behind it
+        self._boards: list[tuple[Part, str]] = []  # the blackboards that are among them, at the end
         self._world: World | None = None
         self._world_revision = -1
 
@@ -166,6 +167,9 @@ class Client:
             # Everything leaves together, so that the server is woken once.
             self._advance = [self.connection.send_along(_advance_request(ticks))]
             self._advance += [self.connection.send_along(part.read_request) for part in self._parts]
+            self._boards = [(part, name) for part in self._parts for name in part.next_blackboards()] if self._holds_world else []
+            self._advance += [self.connection.send_along(request_bytes(
+                read_blackboard=pb.ReadBlackboard(part=part.name, name=name))) for part, name in self._boards]
             self.connection.flush()
 
     def finish_advance(self) -> None:
@@ -181,6 +185,10 @@ class Client:
             self._holds_world = False
             raise refusal or stood_still  # the next advance raises stood_still again
         self._set_time(advanced.advanced)
+        # A blackboard that cannot be read is asked for again, and then refused, where the program reads it.
+        for (part, name), board in zip(self._boards, samples[len(self._parts):]):
+            if board.WhichOneof("body") == "blackboard":
+                part.take_blackboard(name, board.blackboard.data)
         for part, sample in zip(self._parts, samples):
             refusal = refusal or refusal_of(sample)
             if sample.WhichOneof("body") == "part_sample":

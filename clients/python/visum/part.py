@@ -55,6 +55,11 @@ class Part:
         self.sample_time_ns = 0
         self._era = 0
         self._brought_at = 0
+        # Blackboards that were read since the last advance, and between the two before it; and what an advance has brought.
+        self._boards_read: set[str] = set()
+        self._boards_read_before: set[str] = set()
+        self._boards: dict[str, bytes] = {}
+        self._boards_at = 0
         self.leased = False
         self._forget_writes()
         self.read()
@@ -112,8 +117,20 @@ class Part:
         self.sample_tick, self.sample_time_ns, self._era = sample.tick, sample.sim_time_ns, sample.era
 
     def note_brought(self) -> None:
-        """The newest sample is of now, as long as the client sends no further request."""
-        self._brought_at = self._client.connection.requests
+        """The newest sample, and the blackboards that came with it, are of now, as long as the client sends no further
+        request."""
+        self._brought_at = self._boards_at = self._client.connection.requests
+
+    def next_blackboards(self) -> list[str]:
+        """An advance begins. Returns the blackboards that it should bring along: those that were read in the last two
+        periods."""
+        steady = sorted(self._boards_read & self._boards_read_before)
+        self._boards_read_before, self._boards_read = self._boards_read, set()
+        self._boards.clear()
+        return steady
+
+    def take_blackboard(self, name: str, data: bytes) -> None:
+        self._boards[name] = data
 
     def disown(self, indices: Iterable[int]) -> None:
         """Forgets writes that were refused: the next sample has the values in force."""
@@ -181,6 +198,12 @@ class Part:
             part=self.name, name=name, value=parameter_value(name, value)))
 
     def read_blackboard(self, name: str) -> bytes:
+        """In one round trip. In lockstep, a blackboard that is read in each period comes with the advance, as the outputs do:
+        right after it the first read is free."""
+        self._boards_read.add(name)
+        brought = self._boards.pop(name, None)
+        if brought is not None and self._client.connection.requests == self._boards_at:
+            return brought
         return self._client.connection.request(
             read_blackboard=pb.ReadBlackboard(part=self.name, name=name)).blackboard.data
 

@@ -56,7 +56,7 @@ std::vector<double> settle_as_a_large_pile(const world::EngineSetting& engine) {
 }
 // Towers are left in it that rock for a long time.
 std::vector<double> settle_as_a_huge_pile(const world::EngineSetting& engine) {
-  return settle_as_a_pile(engine, 1000, 40.0);
+  return settle_as_a_pile(engine, 1000, 60.0);
 }
 
 // A tall block rocks from edge to edge. With a the angle from its axis to an edge, each landing leaves it
