@@ -37,6 +37,7 @@ class InlineLoop final : public DaemonLoop {
   bool may_tick();
   // False: the next tick's time has not come yet; sessions are served meanwhile.
   bool await_due();
+  bool stands() const;  // true if the lockstep lets no further tick be made now
   // Lets go of the sessions while `work` is done, which must not touch them.
   template <typename Work>
   void without_sessions(Relief& relief, const Work& work);
@@ -137,6 +138,12 @@ bool InlineLoop::may_tick() {
   return false;
 }
 
+bool InlineLoop::stands() const {
+  const auto tick = doors_.simulation.tick_count();
+  return doors_.simulation.scene().clock == scene::ClockKind::kLockstep &&
+         !doors_.gateway.lockstep().lets(tick, doors_.tick_side.stepping());
+}
+
 bool InlineLoop::await_due() {
   if (!paced_ && !doors_.gateway.lockstep().has_dropped()) return true;
   auto& pacer = doors_.tick_side.pacer();
@@ -171,7 +178,7 @@ void InlineLoop::run() {
   Relief relief(duties_of_relief());
   auto now = Clock::now(), polled = now - kTickingLook;
   while (!doors_.ended()) {
-    if (now - polled >= kTickingLook) {
+    if (now - polled >= kTickingLook && !doors_.mailbox.has_items()) {
       server.poll();
       polled = now;
     }
@@ -193,15 +200,14 @@ void InlineLoop::run() {
       now = tick_side.ticked_at();
       if (before_tick == tick_side.version() && !doors_.has_something_to_send()) continue;
       gateway.serve();
-      server.write();
+      // Where the world now stands, the mailbox comes next, and its answers leave together with these.
+      if (!(doors_.mailbox.has_items() && stands())) server.write();
     } else {
       gateway.serve();
-      // It sends on one request after the other, so the next of those that came together may be there now.
-      if (doors_.mailbox.has_items())
-        server.poll();
-      else
-        await_sessions();
-      now = polled = Clock::now();
+      const bool more = doors_.mailbox.has_items();
+      if (!more) await_sessions();
+      now = Clock::now();
+      if (!more) polled = now;
     }
   }
   if (doors_.profile) doors_.profile->enter(config::Profile::kEnd);
