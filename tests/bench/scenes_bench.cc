@@ -1,7 +1,8 @@
 // Many bodies that touch: Scene/<what>/<n>/<engine>, the mean time of a tick of 1 ms over a fixed run from
-// the same start, so that all engines are measured in the same events. Counters at the run's end: depth_m,
-// the deepest overlap, as our collision stage sees it; gap_m, the largest gap of a joint, where there are
-// joints; speed_m_per_s, of the fastest body; warned, the ticks that ended with a solver warning (ours only).
+// the same start, so that all engines are measured in the same events; resting_<what> has come to rest before.
+// Counters at the run's end: depth_m, the deepest overlap, as our collision stage sees it; gap_m, the largest
+// gap of a joint, where there are joints; speed_m_per_s, of the fastest body; warned, the ticks that ended with
+// a solver warning (ours only).
 // Threads/<what>/<n>/<threads>: the same of `impulse` alone, in wall time.
 #include <benchmark/benchmark.h>
 
@@ -25,7 +26,8 @@ constexpr std::size_t kMostForDirect = 40;  // bodies; beyond, a tick of ODE's d
 struct SceneCase {
   std::string name;
   world::WorldModel model;
-  int ticks;  // of the run
+  int ticks;       // of the run
+  int before = 0;  // ticks that are made before it, and not measured
 };
 
 world::EngineSetting any_engine() {
@@ -35,9 +37,10 @@ world::EngineSetting any_engine() {
 std::vector<SceneCase> scene_cases() {
   using namespace physics;
   std::vector<SceneCase> cases;
-  const auto add = [&](const std::string& name, int n, const world::WorldModel& model, int ticks) {
+  const auto add = [&](const std::string& name, int n, const world::WorldModel& model, int ticks,
+                       int before = 0) {
     if (model.bodies.size() > world::kMaxBodies) throw std::logic_error(name + " has too many bodies");
-    cases.push_back({name + "/" + std::to_string(n), model, ticks});
+    cases.push_back({name + "/" + std::to_string(n), model, ticks, before});
   };
   // How many, and ticks: the more, the fewer of the first events. The largest are what a world may hold:
   // 10,000 bodies, and 20,000 contacts.
@@ -56,6 +59,13 @@ std::vector<SceneCase> scene_cases() {
   for (const auto& [height, ticks] :
        {Size(1, 1000), Size(10, 1000), Size(50, 1000), Size(100, 1000), Size(1000, 100)})
     add("stack", height, stack(any_engine(), kTick, height), ticks);
+  // The same once all has come to rest.
+  for (const auto& [boxes, before] : {Size(10, 4000), Size(30, 4000), Size(100, 9000)})
+    add("resting_pile", boxes, piles(any_engine(), kTick, 1, boxes), 200, before);
+  for (const auto& [side, before] : {Size(10, 300), Size(32, 300)})
+    add("resting_wall", side, standing_wall(any_engine(), kTick, side), 100, before);
+  for (const auto& [count, before] : {Size(10, 200), Size(100, 200)})
+    add("resting_towers", count, towers(any_engine(), kTick, count, 10), 100, before);
   for (const int count : {1, 10, 100})
     add("ragdolls", count, falling_ragdolls(any_engine(), kTick, count), 1500);
   for (const auto& [count, ticks] : {Size(1, 500), Size(10, 500), Size(100, 500), Size(500, 100)}) {
@@ -95,6 +105,7 @@ void judge(benchmark::State& state, const SceneCase& what, const Stepper& steppe
 void run(benchmark::State& state, const SceneCase& what, const StepperKind& kind) {
   try {
     const auto stepper = kind.make(what.model, kind.name);
+    for (int tick = 0; tick < what.before; ++tick) stepper->step();
     for (auto _ : state) stepper->step();
     judge(state, what, *stepper);
   } catch (const std::exception& error) {
