@@ -1,8 +1,8 @@
 // Many bodies that touch: Scene/<what>/<n>/<engine>, the mean time of a tick of 1 ms over a fixed run from
-// the same start, so that all engines are measured in the same events; resting_<what> has come to rest before.
-// Counters at the run's end: depth_m, the deepest overlap, as our collision stage sees it; gap_m, the largest
-// gap of a joint, where there are joints; speed_m_per_s, of the fastest body; warned, the ticks that ended with
-// a solver warning (ours only).
+// the same start, so that all engines are measured in the same events; resting_<what> has come to rest
+// before. Counters at the run's end: depth_m, the deepest overlap, as our collision stage sees it; gap_m, the
+// largest gap of a joint, where there are joints; speed_m_per_s, of the fastest body; warned, the ticks that
+// ended with a solver warning (ours only).
 // Threads/<what>/<n>/<threads>: the same of `impulse` alone, in wall time.
 #include <benchmark/benchmark.h>
 

@@ -55,7 +55,8 @@ class Part:
         self.sample_time_ns = 0
         self._era = 0
         self._brought_at = 0
-        # Blackboards that were read since the last advance, and between the two before it; and what an advance has brought.
+        # Blackboards that were read since the last advance, and between the two before it; and what the
+        # last advance has brought of them.
         self._boards_read: set[str] = set()
         self._boards_read_before: set[str] = set()
         self._boards: dict[str, bytes] = {}
