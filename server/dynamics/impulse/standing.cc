@@ -30,6 +30,16 @@ bool is_alike(const auto& a, const auto& b, std::size_t i) {
 
 }  // namespace
 
+void Standing::make_room() {
+  const std::size_t touches = plant_.touches.capacity(), islands = plant_.bodies.size();
+  if (next_island_.capacity() >= touches) return;
+  for (auto* list : {&kept_, &next_}) list->reserve(touches);
+  for (auto* list : {&match_, &next_island_}) list->reserve(touches);
+  for (auto* list : {&kept_islands_, &next_islands_}) list->reserve(islands);
+  repeats_.reserve(islands);
+  stays_.reserve(islands);
+}
+
 void Standing::find_none() {
   notes_ = any_ = false;
   kept_.clear();
@@ -43,6 +53,7 @@ void Standing::find(double h, std::span<const Contact> contacts, const WarmStart
   notes_ = true;
   any_ = false;
   plant_.bodies.keep(began_);
+  make_room();
   if (kept_.empty()) return;
   // Contacts are sorted, so one pass finds the pairs.
   match_.assign(plant_.touches.size(), kNone);

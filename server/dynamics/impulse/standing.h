@@ -55,6 +55,8 @@ class Standing {
     std::size_t island = 0;  // in kept_islands_
   };
 
+  // Lists grow with the plant's touches, not where something comes to rest.
+  void make_room();
   // The kept island that this one repeats, or kNone.
   std::size_t find_repeated(std::size_t island) const;
   bool has_contacts_only(std::size_t island) const;
