@@ -283,6 +283,14 @@ bool Bounded::has_rested() const {
   return rested;
 }
 
+// A solution may miss more than a slow belt moves: an island on it would be frozen, and never follow.
+bool Bounded::is_dragged() const {
+  return std::ranges::any_of(plant_.islands.touches(island_), [&](std::size_t i) {
+    const Touch& touch = plant_.touches[i];
+    return !touch.foreign.isZero(0.0) || !touch.foreign_turn.isZero(0.0);
+  });
+}
+
 // If the look-ahead changed anything, the end of the step must be solved too. A small rest would otherwise
 // stay, and the next look-ahead would have to change it back.
 double Bounded::solve_rows() {
@@ -294,7 +302,8 @@ double Bounded::solve_rows() {
   // moved gets the smaller bound kComesToRest.
   const bool rested = moment_ == kAfter ? course_->rests : has_rested();
   const double rest = rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
-  const double slow = moment_ == kHit ? 0.0 : kFrozenShare * plant_.model.gravity.norm() * std::abs(h_);
+  const bool may_be_still = moment_ != kHit && !is_dragged();
+  const double slow = may_be_still ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
   system_.freezes_below = rested ? slow : 0.0;
   const Vector3d still = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
   std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);

@@ -158,6 +158,8 @@ class Bounded {
   double work(std::size_t block) const;
   // True if the last tick needed no change of the contacts' impulses.
   bool has_rested() const;
+  // True if a body that the scene or another engine moves does move, and touches the island.
+  bool is_dragged() const;
   // Notes what the moment says of rest. `still`: nothing moves.
   void note_rest(bool still);
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }

@@ -103,6 +103,23 @@ TEST(Rest, ASmallForceIsEnoughForATonneOnALightShim) {
   EXPECT_NEAR(lab.body("load").v_WC.x(), speed, 0.01 * speed);
 }
 
+// A belt drags what stands on it, however slowly it moves, and whatever a solution may miss there.
+TEST(Rest, ATonneOnALightShimFollowsASlowBelt) {
+  ModelBuilder b(impulse());
+  const BodyId belt = b.add_fixed_box("belt", {4, 4, 0.1}, at(0, 0, -0.05));
+  b.body(belt).fixed = false;
+  b.body(belt).kinematic = true;
+  b.body(belt).engine = -1;
+  b.add_box("shim", {0.2, 0.2, 0.2}, 0.1, at(0, 0, 0.1 - physics::kTouch));
+  b.add_box("load", {0.2, 0.2, 0.2}, 1000.0, at(0, 0, 0.3 - 2.0 * physics::kTouch));
+  Lab lab(b.model);
+  lab.run(1.0);
+  const double start = lab.body("load").p_WC.x(), speed = 1e-6;
+  lab.body("belt").v_WC.x() = speed;
+  lab.run(1.0);
+  EXPECT_NEAR(lab.body("load").p_WC.x() - start, speed, 0.01 * speed);
+}
+
 // Nor is a slow motion taken for rest.
 TEST(Rest, ASlowBodySlidesOnWhereNothingRubs) {
   Lab lab(puck_on_ice());
