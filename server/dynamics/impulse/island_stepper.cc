@@ -365,14 +365,8 @@ void IslandStepper::begin_after() {
   start_after();
 }
 
-// The rows start from what they gave at t, and what was added to that in the last step.
 void IslandStepper::start_after() {
-  plant_.for_touches(island_, [](Touch& touch) {
-    if (touch.foreseen) return;
-    touch.impulse[kAfter] = touch.impulse[kAhead] + touch.frame.transpose() * touch.kept_change;
-    touch.impulse[kAfter][0] = std::max(touch.impulse[kAfter][0], -touch.impulse[kAhead][0]);
-    touch.twist[kAfter] = touch.twist[kAhead];
-  });
+  plant_.for_touches(island_, [](Touch& touch) { impulse::start_after(touch); });
 }
 
 void IslandStepper::correct(std::size_t island, IslandFate& fate) {

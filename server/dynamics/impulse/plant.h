@@ -163,6 +163,14 @@ inline void start_ahead(Touch& touch) {
   touch.impulse[kAhead][0] = std::max(0.0, touch.impulse[kAhead][0]);
 }
 
+// The end of the step starts from what was given at t, and what was added to that in the last step.
+inline void start_after(Touch& touch) {
+  if (touch.foreseen) return;
+  touch.impulse[kAfter] = touch.impulse[kAhead] + touch.frame.transpose() * touch.kept_change;
+  touch.impulse[kAfter][0] = std::max(touch.impulse[kAfter][0], -touch.impulse[kAhead][0]);
+  touch.twist[kAfter] = touch.twist[kAhead];
+}
+
 // Directions of a spring's force on B: (w, v) is a unit torque or a unit force in W, and pa, pb are the
 // points of the two bodies on which it acts.
 struct Pull {

@@ -132,8 +132,10 @@ void Stepper::count_sleeping() {
   if (plant_.setting.sleep_s == 0.0) return;
   for (Touch& touch : plant_.touches) {
     if (!touch.asleep) continue;
-    touch.total_normal = 2.0 * touch.impulse[kAhead][0];
-    touch.total = 2.0 * touch.kept_impulse;
+    start_after(touch);
+    const Vector3d impulse = touch.impulse[kAhead] + touch.impulse[kAfter];
+    touch.total_normal = impulse[0];
+    touch.total = touch.frame * impulse;
     touch.total_twist = 2.0 * touch.kept_twist;
   }
 }

@@ -84,7 +84,7 @@ class Stepper {
   void read_fates();
   // Moves the bodies without joints, once all islands have foreseen.
   void move_free();
-  // Sleeping contacts repeat what they gave at t+h, half of a tick's.
+  // Sleeping contacts repeat what they gave in the last tick.
   void count_sleeping();
   // stepper_iterate.cc: with `solver: iterate`, whether the look-ahead keeps the joints together; whether the
   // step gained no energy, or what it gained could be taken back.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/lab.h"
+#include "tests/dynamics/physics/contact_models.h"
 
 namespace visum::dynamics::testing {
 namespace {
@@ -50,6 +51,22 @@ TEST(Sleep, WhatStandsStillKeepsItsPlaceAndItsForcesToTheBit) {
   }
   EXPECT_NEAR(lab.normal_force_between("below", "ground"), 3.0 * 9.81, 1e-3);
   EXPECT_NEAR(lab.normal_force_between("above", "below"), 9.81, 1e-3);
+}
+
+// A heap that stands gives what it gave when it falls asleep.
+TEST(Sleep, FallingAsleepChangesNoForceOfWhatStands) {
+  Lab lab(physics::piles(impulse(6.0), 1e-3, 1, 3));
+  lab.run(6.0);
+  int fell_asleep = 0;
+  for (int tick = 0; tick < 4000; ++tick) {
+    const std::vector<collision::Contact> before = lab.contacts;
+    const std::size_t stood = lab.step().standing;
+    ASSERT_EQ(before.size(), lab.contacts.size());
+    fell_asleep += stood < lab.contacts.size();
+    for (std::size_t i = 0; i < before.size(); ++i)
+      ASSERT_LT((lab.contacts[i].force_on_a_W - before[i].force_on_a_W).norm(), 1e-12) << tick;
+  }
+  EXPECT_GT(fell_asleep, 0);
 }
 
 TEST(Sleep, ABallThatRollingFrictionHoldsKeepsItsMomentToo) {
