@@ -1,6 +1,7 @@
 // Islands that stand are not computed anew: with the same bits as those of an engine that computes them.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -207,6 +208,23 @@ TEST(Standing, BitsAreThoseOfAnEngineThatComputesAll) {
     }
     EXPECT_GT(stood, 3000u) << "seed " << seed;
   }
+}
+
+// A ball that rolling friction holds on a slope.
+TEST(Standing, WhatStandsGivesItsMomentToo) {
+  ModelBuilder b(impulse());
+  b.model.surfaces.front().rolling_friction = 0.01;
+  const double slope = 0.03;  // rad
+  b.add_fixed_box("slope", {2, 2, 0.2}, at(0, 0, 0, slope, {0, 1, 0}));
+  const double up = 0.2 - physics::kTouch;  // m, from the box' centre, along its normal
+  b.add_sphere("ball", 0.1, 1.0, at(up * std::sin(slope), 0, up * std::cos(slope)));
+  Lab lab(b.model), fresh(b.model);
+  for (int tick = 0; tick < 1000; ++tick) {
+    step_alike(lab, fresh);
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_EQ(step_alike(lab, fresh).standing, 1u);
+  EXPECT_NEAR(lab.contacts.at(0).torque_on_a_W.norm(), 9.81 * 0.1 * std::sin(slope), 1e-6);
 }
 
 // The plate may begin to move, and its speed is no part of the contact.
