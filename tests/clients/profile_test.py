@@ -55,6 +55,14 @@ class Profiles(unittest.TestCase):
         steps = [event for event in events if event["ph"] == "X" and event["name"] == "physics"]
         self.assertGreaterEqual(len(steps), 500)
 
+    def test_the_runner_loads_nothing_after_the_run(self):
+        visum("run", self.scenario, "--profile", self.trace, expect=0)
+        events = json.loads(self.trace.read_text())["traceEvents"]
+        runner = next(event["pid"] for event in events if event.get("args") == {"name": RUNNER})
+        spans = [event["name"] for event in events if event["ph"] == "X" and event["pid"] == runner]
+        self.assertEqual(spans[-1], "end")
+        self.assertNotIn("load", set(spans[spans.index("waits for the world"):]))
+
     def test_the_trace_and_the_table_say_the_same(self):
         done = visum("run", "--profile", self.trace, self.scenario, expect=0)
         spans = [event for event in json.loads(self.trace.read_text())["traceEvents"] if event["name"] == "physics"]

@@ -179,7 +179,7 @@ void Run::tie_again() {
 void Run::go() {
   prepare();
   began_ = Clock::now();
-  const config::ProfileScope measured(profile_, phases_.checks);
+  if (profile_ != nullptr) profile_->enter(phases_.checks);  // until run_with() enters the end
   act();
   while (!is_over()) {
     if (!step()) continue;
@@ -349,6 +349,7 @@ void run_with(Daemon& daemon, const Scenario& scenario, const RunOptions& option
     run.emplace(scenario, options, daemon, wait_loop, report);
     run->go();
   });
+  if (options.profile != nullptr) options.profile->runner().enter(config::Profile::kEnd);
   if (!run) return;
   std::string invalid;
   Report at_the_end;  // if the daemon is gone, the report says so already
