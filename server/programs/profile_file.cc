@@ -34,11 +34,12 @@ std::int64_t processor_time_us() {
 void write_profile(const config::Profile& profile, const std::string& file) {
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
   const auto process = static_cast<std::int64_t>(::getpid());
+  // Without "ns", Chrome's trace viewer rounds to microseconds, and shows short spans within the one before.
   out << "{\"visum\":{\"ticks\":" << profile.ticks() << ",\"began_ns\":" << profile.began_ns()
       << ",\"first_tick_ns\":" << profile.first_tick_ns() << ",\"last_tick_ns\":" << profile.last_tick_ns()
       << ",\"cpu_us\":" << processor_time_us() << ",\"left_out\":" << profile.left_out()
       << ",\"run\":" << as_json(profile.run()) << ",\"whole\":" << as_json(profile.whole())
-      << "},\"traceEvents\":[\n";
+      << "},\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n";
   const auto began = config::Profile::Clock::now();
   const auto began_us = processor_time_us();
   profile.write_spans(out, process);

@@ -55,6 +55,11 @@ class Profiles(unittest.TestCase):
         steps = [event for event in events if event["ph"] == "X" and event["name"] == "physics"]
         self.assertGreaterEqual(len(steps), 500)
 
+    def test_chromes_trace_viewer_keeps_the_nanoseconds(self):
+        # Otherwise it rounds to microseconds, and draws a short span as a part of the one before.
+        visum("run", self.scenario, "--profile", self.trace, expect=0)
+        self.assertEqual(json.loads(self.trace.read_text()).get("displayTimeUnit"), "ns")
+
     def test_the_runner_loads_nothing_after_the_run(self):
         visum("run", self.scenario, "--profile", self.trace, expect=0)
         events = json.loads(self.trace.read_text())["traceEvents"]
