@@ -101,10 +101,13 @@ void Profile::write_spans(std::ostream& out, std::int64_t process) const {
   }
 }
 
-std::string process_name_event(std::int64_t process, std::string_view name) {
+std::string name_events(std::int64_t process, std::string_view name, std::string_view thread) {
   const auto number = std::to_string(process);
-  return R"({"name":"process_name","ph":"M","pid":)" + number + R"(,"tid":)" + number +
-         R"(,"args":{"name":)" + plain_json(name) + "}},\n";
+  const auto event = [&number](const char* kind, std::string_view value) {
+    return std::string(R"({"name":")") + kind + R"(","ph":"M","pid":)" + number + R"(,"tid":)" + number +
+           R"(,"args":{"name":)" + plain_json(value) + "}},\n";
+  };
+  return event("process_name", name) + event("thread_name", thread);
 }
 
 }  // namespace visum::config

@@ -105,7 +105,7 @@ class ProfileScope {
   const Profile::Phase before_;
 };
 
-// An event that tells the name of a process, for the same file; with a comma behind it.
-std::string process_name_event(std::int64_t process, std::string_view name);
+// Two events for the same file: the names of a process and of its measured thread. A comma is behind each.
+std::string name_events(std::int64_t process, std::string_view name, std::string_view thread);
 
 }  // namespace visum::config

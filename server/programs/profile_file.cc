@@ -43,7 +43,7 @@ void write_profile(const config::Profile& profile, const std::string& file) {
   const auto began = config::Profile::Clock::now();
   const auto began_us = processor_time_us();
   profile.write_spans(out, process);
-  auto last = config::process_name_event(process, "visumd");
+  auto last = config::name_events(process, "visumd", "tick");
   last.resize(last.size() - 2);  // no comma behind the last one
   out << last << "\n]";
   out.flush();

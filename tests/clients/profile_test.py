@@ -38,8 +38,10 @@ class Profiles(unittest.TestCase):
     def test_the_trace_is_in_chromes_format(self):
         visum("run", self.scenario, "--profile", self.trace, expect=0)
         events = json.loads(self.trace.read_text())["traceEvents"]
-        names = {event["args"]["name"]: event["pid"] for event in events if event["ph"] == "M"}
+        names = {event["args"]["name"]: event["pid"] for event in events if event["name"] == "process_name"}
         self.assertEqual(set(names), {RUNNER, DAEMON})
+        threads = {event["pid"]: event["args"]["name"] for event in events if event["name"] == "thread_name"}
+        self.assertEqual(threads, {names[RUNNER]: "main", names[DAEMON]: "tick"})
         for event in events:
             self.assertIn(event["ph"], "MX")
             self.assertTrue({"name", "pid", "tid"} <= set(event))

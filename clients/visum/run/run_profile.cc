@@ -171,7 +171,7 @@ void RunProfile::write_trace() {
   std::string first_line;
   std::getline(in, first_line);
   const auto process = static_cast<std::int64_t>(::getpid());
-  out << first_line << "\n" << config::process_name_event(process, "visum run");
+  out << first_line << "\n" << config::name_events(process, "visum run", "main");
   runner_.write_spans(out, process);
   out << in.rdbuf();
   if (!out.flush())
