@@ -30,6 +30,8 @@ class Bounded {
   // long as the rows.
   void build(std::size_t island, Moment moment, double h, Course& course);
   bool has_rows() const { return !blocks_.empty(); }
+  // True if a body that the scene or another engine moves does move, and touches the island.
+  bool is_dragged() const;
   // Numbers of the bodies without joints that have rows.
   std::span<const std::size_t> free_bodies() const { return slotted_; }
   // True if any row acts on the mechanism, which is one of the island.
@@ -158,8 +160,6 @@ class Bounded {
   double work(std::size_t block) const;
   // True if the last tick needed no change of the contacts' impulses.
   bool has_rested() const;
-  // True if a body that the scene or another engine moves does move, and touches the island.
-  bool is_dragged() const;
   // Notes what the moment says of rest. `still`: nothing moves.
   void note_rest(bool still);
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }

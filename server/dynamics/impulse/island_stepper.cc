@@ -261,11 +261,7 @@ void IslandStepper::hit() {
 // True if anything but gravity and drives may do work: springs, wrenches, bodies of other engines.
 bool IslandStepper::is_worked_on() {
   const Islands& islands = plant_.islands;
-  return !islands.wrenches(island_).empty() || !islands.springs(island_).empty() ||
-         std::ranges::any_of(islands.touches(island_), [&](std::size_t i) {
-           const Touch& touch = plant_.touches[i];
-           return !touch.foreign.isZero(0.0) || !touch.foreign_turn.isZero(0.0);
-         });
+  return !islands.wrenches(island_).empty() || !islands.springs(island_).empty() || bounded_.is_dragged();
 }
 
 void IslandStepper::note_energy() {

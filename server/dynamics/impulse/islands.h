@@ -15,7 +15,7 @@ namespace visum::dynamics::impulse {
 
 struct Plant;
 
-// Found anew in each tick, from contacts and wrenches alone, so that a restored world has the same islands.
+// They follow from the tick's contacts and wrenches alone, so a restored world has the same islands.
 // They are numbered in the order of their first bodies. A body that nothing is connected to, and on which no
 // wrench acts, is in no island. Plant owns it; tick's thread. Allocates only while it grows.
 class Islands {

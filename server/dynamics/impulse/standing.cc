@@ -46,10 +46,8 @@ void Standing::find_none() {
 }
 
 void Standing::find(double h, std::span<const Contact> contacts, const WarmStart& warm_start) {
-  const Vector3d& gravity = plant_.model.gravity;
-  if (!are_same_bits(h, h_) || !are_same_bits(gravity, gravity_)) kept_.clear();
+  if (!are_same_bits(h, h_)) kept_.clear();
   h_ = h;
-  gravity_ = gravity;
   notes_ = true;
   any_ = false;
   plant_.bodies.keep(began_);
@@ -97,7 +95,7 @@ bool Standing::has_contacts_only(std::size_t island) const {
 void Standing::stand(std::size_t island, Moment moment) {
   const bool flies = moment == kAhead;
   for (const std::size_t i : plant_.islands.bodies(island)) {
-    plant_.bodies.v[i] = flies ? thrown_up(gravity_, h_) : began_.v[i];
+    plant_.bodies.v[i] = flies ? thrown_up(plant_.model.gravity, h_) : began_.v[i];
     plant_.bodies.w[i] = flies ? Vector3d::Zero() : began_.w[i];
   }
 }
@@ -123,8 +121,7 @@ void Standing::give_forces(std::span<Contact> contacts) const {
   }
 }
 
-bool Standing::was_left_as_it_was(std::size_t island, std::span<const Contact> contacts,
-                                  const WarmStart& warm_start) const {
+bool Standing::was_left_as_it_was(std::size_t island, std::span<const Contact> contacts) const {
   // Bodies that other engines or the scene move may move on.
   const auto is_fixed = [&](int number, world::BodyId id) {
     return number >= 0 || plant_.model.bodies[id.index()].fixed;
@@ -132,8 +129,8 @@ bool Standing::was_left_as_it_was(std::size_t island, std::span<const Contact> c
   const auto stays = [&](std::size_t i) {
     const Touch& touch = plant_.touches[i];
     const Contact& contact = contacts[touch.contact];
-    return touch.frozen && touch.record != TouchEnds::kNew && warm_start.stays(touch) &&
-           is_fixed(touch.a, contact.body_a) && is_fixed(touch.b, contact.body_b);
+    return touch.frozen && touch.record != TouchEnds::kNew && is_fixed(touch.a, contact.body_a) &&
+           is_fixed(touch.b, contact.body_b);
   };
   return std::ranges::all_of(plant_.islands.touches(island), stays) &&
          std::ranges::all_of(plant_.islands.bodies(island),
@@ -147,8 +144,8 @@ void Standing::keep_islands(std::span<const Contact> contacts, const WarmStart& 
   bool more = false;
   for (std::size_t island = 0; island < fates.size(); ++island) {
     const bool stood = stands(island);
-    if (!stood && (!has_contacts_only(island) || fates[island].fell_short ||
-                   !was_left_as_it_was(island, contacts, warm_start)))
+    if (!stood &&
+        (!has_contacts_only(island) || fates[island].fell_short || !was_left_as_it_was(island, contacts)))
       continue;
     stays_[island] = true;
     more = more || !stood;

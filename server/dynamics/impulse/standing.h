@@ -60,8 +60,8 @@ class Standing {
   // The kept island that this one repeats, or kNone.
   std::size_t find_repeated(std::size_t island) const;
   bool has_contacts_only(std::size_t island) const;
-  bool was_left_as_it_was(std::size_t island, std::span<const collision::Contact> contacts,
-                          const WarmStart& warm_start) const;
+  // A record that did change matches none in the next tick.
+  bool was_left_as_it_was(std::size_t island, std::span<const collision::Contact> contacts) const;
 
   void give_forces(std::span<collision::Contact> contacts) const;
   void keep_islands(std::span<const collision::Contact> contacts, const WarmStart& warm_start,
@@ -70,7 +70,6 @@ class Standing {
   Plant& plant_;
   bool notes_ = false, any_ = false;
   double h_ = 0.0;  // s, of the last tick
-  Vector3d gravity_ = Vector3d::Zero();
   BodiesMotion began_, last_began_;   // where this tick began, and the last one that was noted
   std::vector<std::size_t> repeats_;  // by island: in kept_islands_
   std::vector<std::size_t> match_;    // by touch: in kept_, the one that was given the same

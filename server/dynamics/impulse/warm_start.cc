@@ -154,10 +154,6 @@ void WarmStart::load(Touch& touch) const {
   start_ahead(touch);
 }
 
-bool WarmStart::stays(const Touch& touch) const {
-  return record_at(records_, touch.record).rest == packed_rest(touch);
-}
-
 std::size_t warm_start_bytes(const Plant& plant) {
   std::size_t size = plant.touches.size() * sizeof(Record);
   for_pushing_stops(plant, [&](const Axis&, std::size_t) { size += sizeof(Record); });

@@ -33,11 +33,10 @@ class WarmStart {
 
   WarmStart(std::span<const std::byte> records = {}) : records_(records) {}
   void load(Touch& touch) const;  // reads the touch's record, if it has one
-  // The record of a touch that has one, and whether the touch, frozen, leaves the same one behind.
+  // The record of a touch that has one.
   Bytes record(const TouchEnds& touch) const {
     return records_.subspan(kBytes * touch.record).first<kBytes>();
   }
-  bool stays(const Touch& touch) const;
 
  private:
   std::span<const std::byte> records_;

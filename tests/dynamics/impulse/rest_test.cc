@@ -120,6 +120,35 @@ TEST(Rest, ATonneOnALightShimFollowsASlowBelt) {
   EXPECT_NEAR(lab.body("load").p_WC.x() - start, speed, 0.01 * speed);
 }
 
+// Impulses that held a body hold it no more where they miss what they should give.
+TEST(Rest, WhatIsFrozenSlipsWhereItsFrictionIsGone) {
+  ModelBuilder b(impulse());
+  b.model.gravity = {3.0, 0.0, -9.0};  // as on a slope
+  b.add_ground();
+  b.add_box("box", {0.2, 0.2, 0.2}, 1.0, at(0, 0, 0.1 - physics::kTouch));
+  Lab rough(b.model);
+  rough.run(1.0);
+  ASSERT_LT(rough.body("box").v_WC.norm(), 1e-12);
+  b.model.surfaces.front().friction = 0.1;
+  Lab slippery(b.model);
+  slippery.state = rough.state;
+  slippery.run(1.0);
+  EXPECT_NEAR(slippery.body("box").v_WC.x(), 3.0 - 0.1 * 9.0, 1e-3);
+}
+
+TEST(Rest, WhatIsFrozenIsLiftedWhereItsFloorRises) {
+  ModelBuilder b(impulse());
+  b.add_ground();
+  b.add_box("box", {0.2, 0.2, 0.2}, 1.0, at(0, 0, 0.1 - physics::kTouch));
+  Lab lab(b.model);
+  lab.run(1.0);
+  ASSERT_EQ(lab.body("box").v_WC, Eigen::Vector3d::Zero());
+  const double height = lab.body("box").p_WC.z(), rise = 1e-4;  // m
+  lab.body("ground").p_WC.z() += rise;
+  lab.run(1.0);
+  EXPECT_NEAR(lab.body("box").p_WC.z() - height, rise, 0.01 * rise);
+}
+
 // Nor is a slow motion taken for rest.
 TEST(Rest, ASlowBodySlidesOnWhereNothingRubs) {
   Lab lab(puck_on_ice());
