@@ -77,12 +77,11 @@ std::size_t Standing::find_repeated(std::size_t island) const {
   const std::span<const std::size_t> touches = plant_.islands.touches(island);
   if (!has_contacts_only(island) || match_[touches.front()] == kNone) return kNone;
   const std::size_t found = kept_[match_[touches.front()]].island;
-  const bool repeats =
-      kept_islands_[found].touches == touches.size() &&
-      std::ranges::all_of(
-          touches, [&](std::size_t i) { return match_[i] != kNone && kept_[match_[i]].island == found; }) &&
-      std::ranges::all_of(plant_.islands.bodies(island),
-                          [&](std::size_t i) { return is_alike(began_, last_began_, i); });
+  // Contacts that connect these bodies did so in the last tick: all that match are of one island.
+  const bool repeats = kept_islands_[found].touches == touches.size() &&
+                       std::ranges::all_of(touches, [&](std::size_t i) { return match_[i] != kNone; }) &&
+                       std::ranges::all_of(plant_.islands.bodies(island),
+                                           [&](std::size_t i) { return is_alike(began_, last_began_, i); });
   return repeats ? found : kNone;
 }
 
