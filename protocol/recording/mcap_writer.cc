@@ -77,8 +77,14 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, std::uint16_t sche
 
 void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                        Bytes data) {
-  if (data.size() > kMaxMessageBytes)
-    throw std::length_error("a message of " + std::to_string(data.size() >> 20) + " MiB; the longest has " +
+  std::ranges::copy(data, begin_message(channel, log_time_ns, publish_time_ns, data.size()).begin());
+  end_message();
+}
+
+std::span<std::byte> McapWriter::begin_message(std::uint16_t channel, std::uint64_t log_time_ns,
+                                               std::uint64_t publish_time_ns, std::size_t size) {
+  if (size > kMaxMessageBytes)
+    throw std::length_error("a message of " + std::to_string(size >> 20) + " MiB; the longest has " +
                             std::to_string(kMaxMessageBytes >> 20));
   if (messages_++ == 0) from_ns_ = log_time_ns;
   until_ns_ = std::max(until_ns_, log_time_ns);
@@ -90,14 +96,17 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns, std::ui
              static_cast<std::uint64_t>(chunk_.size()));
   constexpr std::size_t kHead = 2 + 4 + 8 + 8;
   const auto start = chunk_.size();
-  chunk_.resize(start + kRecordHeadBytes + kHead + data.size());
+  chunk_.resize(start + kRecordHeadBytes + kHead + size);
   auto* at = put_number(chunk_.data() + start, static_cast<std::uint8_t>(Op::kMessage));
-  at = put_number(at, static_cast<std::uint64_t>(kHead + data.size()));
+  at = put_number(at, static_cast<std::uint64_t>(kHead + size));
   at = put_number(at, channel);
   at = put_number(at, messages_by_channel_[channel - 1u]++);
   at = put_number(at, log_time_ns);
   at = put_number(at, publish_time_ns);
-  std::ranges::copy(data, at);
+  return {at, size};
+}
+
+void McapWriter::end_message() {
   if (chunk_.size() >= kChunkBytes)
     put_chunk();
   else if (how_ == Chunks::kCompressed && chunk_.size() - packed_ >= kPieceBytes)

@@ -32,6 +32,11 @@ class McapWriter {
   std::uint16_t add_channel(std::string_view topic, std::uint16_t schema, std::string_view encoding);
   // `log_time_ns` must never go back. Throws std::length_error if `data` is longer than kMaxMessageBytes.
   void write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
+  // The same in two calls, without a copy of the message: its bytes are put where begin_message() says, then
+  // end_message() is the next call.
+  std::span<std::byte> begin_message(std::uint16_t channel, std::uint64_t log_time_ns,
+                                     std::uint64_t publish_time_ns, std::size_t size);
+  void end_message();
   void attach(const Attachment& attachment);  // as a record of its own, outside of chunks
   void flush();                               // ends the chunk, if it holds anything
   void close();                               // writes the summary and the end; the last call

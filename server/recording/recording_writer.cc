@@ -148,11 +148,10 @@ void RecordingWriter::work() {
       since = 0;
     }
     queue_.take(std::as_writable_bytes(std::span(&head, 1)));
-    taken_.resize(head.size);
-    queue_.take(taken_);
     last_log_ns_ = head.log_time_ns;
     last_publish_ns_ = head.publish_time_ns;
-    writer_.write(head.channel, head.log_time_ns, head.publish_time_ns, taken_);
+    queue_.take(writer_.begin_message(head.channel, head.log_time_ns, head.publish_time_ns, head.size));
+    writer_.end_message();
   }
 }
 

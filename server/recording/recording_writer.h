@@ -88,7 +88,6 @@ class RecordingWriter {
   const Descriptor out_;
   McapWriter writer_;
   ByteQueue queue_{kQueueBytes};
-  std::vector<std::byte> taken_;                         // this thread: what is being written
   std::uint64_t last_log_ns_ = 0, last_publish_ns_ = 0;  // this thread: times of the last message
   std::atomic<bool> started_{false}, ended_{false};
   std::mutex mutex_;  // guards lines_ and stopping_
