@@ -12,8 +12,8 @@
 //           Where friction turns the other way in a hit, Newton's law can gain energy (Kane, Levinson,
 //           Dynamics: Theory and Applications, 1985). There e is cut back until the hit gains none.
 //   ahead   the look-ahead's displacement:
-//           h u_n + h^2 a_n/2 >= d - s; beyond the layer only a share of it, at most at kMostPush, and less
-//           what it has landed deep (note_landings())
+//           h u_n + h^2 a_n/2 >= d - s; of more than s beyond the layer only a share, at most at kMostPush,
+//           and less what it has landed deep (note_landings())
 //           u_t + h a_t/2 = 0, or the contact slides
 //   after   u_n >= 0 with P1 + P2 >= 0;  u_t = 0, or it slides with the cone of all three impulses
 //
@@ -65,6 +65,12 @@ constexpr double kComesToRest =
 // light body beneath a heavy one would hold its neighbours.
 constexpr double kFrozenShare = 1e-8;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
+
+// Of an overlap, what is taken out in one step. The last of it goes at once, as a gap of that size is closed
+// at once: shares of shares would never end, and nothing would come to rest meanwhile.
+double pushed_way(double overlap) {
+  return std::min(overlap, std::max(kPushShare * overlap, kSurfaceLayerM));
+}
 
 // Depths are only known to rounding. The corners of a face would otherwise ask for motions that contradict
 // each other by the rounding over h, and their impulses would drift apart.
@@ -165,7 +171,7 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
-      const double way = beyond < 0.0 ? beyond : kPushShare * std::max(0.0, beyond - touch.landed);
+      const double way = beyond < 0.0 ? beyond : pushed_way(std::max(0.0, beyond - touch.landed));
       target[0] += std::min(way / h_, apart_ ? 0.0 : kMostPush);
       return;
     }
