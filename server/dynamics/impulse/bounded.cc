@@ -279,14 +279,17 @@ void Bounded::aim() {
 }
 
 // New contacts do not count. An island of which a part has moved has not rested.
-bool Bounded::has_rested() const {
-  bool rested = false;
+Bounded::Rest Bounded::last_rest() const {
+  Rest rest{true, true};
+  bool is_new = true;
   for (const std::size_t i : plant_.islands.touches(island_)) {
     const Touch& touch = plant_.touches[i];
-    if (touch.rested == false) return false;
-    rested = rested || touch.rested == true;
+    if (!touch.rested) continue;
+    is_new = false;
+    rest.rested = rest.rested && *touch.rested;
+    rest.still = rest.still && touch.was_still;
   }
-  return rested;
+  return is_new ? Rest{} : rest;
 }
 
 // A solution may miss more than a slow belt moves: an island on it would be frozen, and never follow.
@@ -306,22 +309,25 @@ double Bounded::solve_rows() {
   // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
   // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
   // moved gets the smaller bound kComesToRest.
-  const bool rested = moment_ == kAfter ? course_->rests : has_rested();
-  const double rest = rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
+  const Rest last = moment_ == kAfter ? Rest{course_->rests, course_->frozen} : last_rest();
+  const double rest = last.rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
   const bool may_be_still = moment_ != kHit && !is_dragged();
   const double slow = may_be_still ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
-  system_.freezes_below = rested ? slow : 0.0;
-  const Vector3d still = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
-  std::copy(still.data(), still.data() + 3, system_.still.begin() + 3);
+  system_.freezes_below = last.still ? slow : 0.0;
+  const Vector3d standing = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
+  std::copy(standing.data(), standing.data() + 3, system_.still.begin() + 3);
   double missed = 0.0;
+  bool still = false;
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
                                        : rows_.solve(kMostSweeps, kEnough, share, rest);
+    still = responses_.empty() && rows_.is_still(slow);
+    if (still && !system_.frozen) rows_.polish(kEnough);  // the next tick freezes the island as it is
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;
   }
-  note_rest(responses_.empty() && rows_.is_still(slow));
+  note_rest(still);
   if (system_.changed) store_velocities();
   return missed;
 }

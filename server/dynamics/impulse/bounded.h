@@ -158,8 +158,11 @@ class Bounded {
   void keep_energy();
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  // True if the last tick needed no change of the contacts' impulses.
-  bool has_rested() const;
+  // The last tick: it needed no change of the contacts' impulses, or the island was still; it was still.
+  struct Rest {
+    bool rested = false, still = false;
+  };
+  Rest last_rest() const;
   // Notes what the moment says of rest. `still`: nothing moves.
   void note_rest(bool still);
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }

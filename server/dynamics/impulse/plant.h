@@ -136,6 +136,7 @@ struct Touch : TouchEnds {
   // In the last tick this contact's island needed no change of its impulses, or stood still. Nothing: the
   // contact is new.
   std::optional<bool> rested;
+  bool was_still = false;  // `still`, of the last tick
 };
 
 // Velocity of a body that stands after the look-ahead, m/s: it is thrown up by as much as it falls in flight.

@@ -82,6 +82,8 @@ class Rows {
   // True if free bodies move by no more than `limit`, m/s or rad/s, from how they stand (RowIsland::still);
   // not if that is 0.
   bool is_still(double limit) const;
+  // Finds the impulses more exactly, if that is soon done: none then misses more than `least`.
+  void polish(double least);
   // A few sweeps only. Impulses that push against each other stay small, even if the rows are far from their
   // targets.
   double sweep_gently(int sweeps);

@@ -22,6 +22,14 @@ bool Rows::rest_at_start(double least, double share, double rest) {
   return island_->changed = true;
 }
 
+// Newton's method knows nothing of rolling friction.
+void Rows::polish(double least) {
+  const double missed = largest_miss();
+  if (missed <= least || has(RowBlock::Kind::kTwist)) return;
+  keep(start_);
+  if (!follow_firm_points(least, least) && !(largest_miss() < missed)) put_back(start_);
+}
+
 bool Rows::is_still(double limit) const {
   if (limit == 0.0) return false;
   for (std::size_t i = 0; i < velocities_.size(); ++i)

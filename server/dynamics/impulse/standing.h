@@ -69,7 +69,7 @@ class Standing {
 
   Plant& plant_;
   bool notes_ = false, any_ = false;
-  double h_ = 0.0;  // s, of the last tick
+  double h_ = 0.0;                    // s, of the last tick
   BodiesMotion began_, last_began_;   // where this tick began, and the last one that was noted
   std::vector<std::size_t> repeats_;  // by island: in kept_islands_
   std::vector<std::size_t> match_;    // by touch: in kept_, the one that was given the same

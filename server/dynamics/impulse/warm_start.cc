@@ -36,14 +36,17 @@ Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
 }
 
-// The lowest bit of a record's `rest`: its island has rested. The others: how deep it has landed, in nm.
+// The lowest bits of a record's `rest`: its island has rested; it was still. The others: how deep it has
+// landed, in nm.
 std::int32_t packed_rest(const Touch& touch) {
-  return 2 * static_cast<std::int32_t>(std::lround(touch.landed / kSmallestRiseM)) +
+  const bool still = touch.asleep ? touch.was_still : touch.still;
+  return 4 * static_cast<std::int32_t>(std::lround(touch.landed / kSmallestRiseM)) + (still ? 2 : 0) +
          (touch.rested.value_or(false) ? 1 : 0);
 }
 void unpack_rest(std::int32_t rest, Touch& touch) {
-  touch.rested = rest % 2 != 0;
-  touch.landed = std::clamp(kSmallestRiseM * (rest / 2), 0.0, kDeepestLandingM);
+  touch.rested = (rest & 1) != 0;
+  touch.was_still = (rest & 2) != 0;
+  touch.landed = std::clamp(kSmallestRiseM * (rest / 4), 0.0, kDeepestLandingM);
 }
 
 auto key_of(const Record& record) {
