@@ -280,14 +280,14 @@ void Bounded::aim() {
 
 // New contacts do not count. An island of which a part has moved has not rested.
 Bounded::Rest Bounded::last_rest() const {
-  Rest rest{true, true};
+  Rest rest{true, kStillSteps};
   bool is_new = true;
   for (const std::size_t i : plant_.islands.touches(island_)) {
     const Touch& touch = plant_.touches[i];
     if (!touch.rested) continue;
     is_new = false;
     rest.rested = rest.rested && *touch.rested;
-    rest.still = rest.still && touch.was_still;
+    rest.still = std::min(rest.still, touch.was_still);
   }
   return is_new ? Rest{} : rest;
 }
@@ -309,11 +309,13 @@ double Bounded::solve_rows() {
   // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
   // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
   // moved gets the smaller bound kComesToRest.
-  const Rest last = moment_ == kAfter ? Rest{course_->rests, course_->frozen} : last_rest();
+  const Rest last = moment_ == kAfter ? Rest{course_->rests, course_->still_before} : last_rest();
+  course_->still_before = last.still;
   const double rest = last.rested ? 1.0 : moment_ == kAfter ? 0.0 : kComesToRest;
   const bool may_be_still = moment_ != kHit && !is_dragged();
   const double slow = may_be_still ? kFrozenShare * plant_.model.gravity.norm() * std::abs(h_) : 0.0;
-  system_.freezes_below = last.still ? slow : 0.0;
+  const bool may_freeze = last.still == kStillSteps && (moment_ == kAhead || course_->frozen);
+  system_.freezes_below = may_freeze ? slow : 0.0;
   const Vector3d standing = moment_ == kAhead ? thrown_up(plant_.model.gravity, h_) : Vector3d::Zero();
   std::copy(standing.data(), standing.data() + 3, system_.still.begin() + 3);
   double missed = 0.0;
@@ -343,8 +345,8 @@ void Bounded::note_rest(bool still) {
   if (moment_ != kAfter) return;
   for (const std::size_t i : plant_.islands.touches(island_)) {
     Touch& touch = plant_.touches[i];
-    touch.still = course_->still && still;
-    touch.rested = system_.rests || touch.still;
+    touch.still = course_->still && still ? std::min(course_->still_before + 1, kStillSteps) : 0;
+    touch.rested = system_.rests || touch.still > 0;
     touch.frozen = course_->frozen && system_.frozen;
   }
 }

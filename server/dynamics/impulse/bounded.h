@@ -12,10 +12,11 @@ inline constexpr double kMostPush = 0.5;  // m/s
 
 // How an island's look-ahead was solved. It counts at the end of the step, too.
 struct Course {
-  bool rests = true;    // nothing had to be solved
-  bool frozen = false;  // and the island stood still
-  bool still = false;   // solved or not, it stood still
-  bool gently = false;  // solves by a few softened sweeps
+  bool rests = true;     // nothing had to be solved
+  bool frozen = false;   // and the island stood still
+  bool still = false;    // solved or not, it stood still
+  int still_before = 0;  // so had it, for so many steps before this one
+  bool gently = false;   // solves by a few softened sweeps
 };
 
 // Builds the rows of one moment of an island (islands.h), and solves them. Order of calls: build(), then
@@ -158,9 +159,11 @@ class Bounded {
   void keep_energy();
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  // The last tick: it needed no change of the contacts' impulses, or the island was still; it was still.
+  // At the end of the last tick: it needed no change of the contacts' impulses, or the island was still; for
+  // how many ticks it was still.
   struct Rest {
-    bool rested = false, still = false;
+    bool rested = false;
+    int still = 0;
   };
   Rest last_rest() const;
   // Notes what the moment says of rest. `still`: nothing moves.

@@ -121,7 +121,7 @@ struct Touch : TouchEnds {
   bool yields = false;    // one of the two bodies moves by another engine
   bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
   bool frozen = false;    // its island stood still in this step, with the impulses of the last tick
-  bool still = false;     // next to nothing moved in its island in this step
+  int still = 0;          // so many steps next to nothing moved in its island; kStillSteps: or more
   bool wedged = false;    // in this step: it yields, since nothing that the joints allow opens it
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
@@ -136,7 +136,7 @@ struct Touch : TouchEnds {
   // In the last tick this contact's island needed no change of its impulses, or stood still. Nothing: the
   // contact is new.
   std::optional<bool> rested;
-  bool was_still = false;  // `still`, of the last tick
+  int was_still = 0;  // `still`, of the last tick
 };
 
 // Velocity of a body that stands after the look-ahead, m/s: it is thrown up by as much as it falls in flight.
@@ -146,6 +146,10 @@ inline Vector3d thrown_up(const Vector3d& gravity, double h) {
 
 // Overlap that is left alone, m. A contact at rest then exists in every tick.
 inline constexpr double kSurfaceLayerM = 5e-7;
+
+// An island that was still for so many steps may be frozen: the first of them may have stopped it, by forces
+// that it does not need to stand.
+inline constexpr int kStillSteps = 2;
 
 // The landings of note_landings(): the deepest that is left alone in coarse ticks, the time constant of the
 // rise from it, and the least that it rises in a tick.

@@ -36,17 +36,17 @@ Vector3d vector(const double (&from)[3]) {
   return {from[0], from[1], from[2]};
 }
 
-// The lowest bits of a record's `rest`: its island has rested; it was still. The others: how deep it has
-// landed, in nm.
+// The lowest bit of a record's `rest`: its island has rested. The next two: for how many steps it was still.
+// The others: how deep it has landed, in nm.
 std::int32_t packed_rest(const Touch& touch) {
-  const bool still = touch.asleep ? touch.was_still : touch.still;
-  return 4 * static_cast<std::int32_t>(std::lround(touch.landed / kSmallestRiseM)) + (still ? 2 : 0) +
+  const int still = touch.asleep ? touch.was_still : touch.still;
+  return 8 * static_cast<std::int32_t>(std::lround(touch.landed / kSmallestRiseM)) + 2 * still +
          (touch.rested.value_or(false) ? 1 : 0);
 }
 void unpack_rest(std::int32_t rest, Touch& touch) {
   touch.rested = (rest & 1) != 0;
-  touch.was_still = (rest & 2) != 0;
-  touch.landed = std::clamp(kSmallestRiseM * (rest / 4), 0.0, kDeepestLandingM);
+  touch.was_still = std::min((rest >> 1) & 3, kStillSteps);
+  touch.landed = std::clamp(kSmallestRiseM * (rest / 8), 0.0, kDeepestLandingM);
 }
 
 auto key_of(const Record& record) {
@@ -116,7 +116,7 @@ bool is_jointed(const Plant& plant, int body) {
 // True if the next tick starts either moment from what it was given. Where joints take part, drives do so,
 // too. Where nothing moves, either moment needs what it was given.
 bool starts_apart(const Plant& plant, const Touch& touch) {
-  return touch.still || is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
+  return touch.still > 0 || is_jointed(plant, touch.a) || is_jointed(plant, touch.b);
 }
 
 // In W.
