@@ -64,12 +64,16 @@ constexpr double kComesToRest =
 // little that is missing would otherwise add up, and move it for ever. It must not grow with the island: a
 // light body beneath a heavy one would hold its neighbours.
 constexpr double kFrozenShare = 1e-8;
+// An island that moves by no more than so many times that is solved more exactly: what a solution may miss
+// would keep it moving, and forces that are missing then would be missing from then on.
+constexpr double kNearlyStill = 1000.0;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
 // Of an overlap, what is taken out in one step. The last of it goes at once, as a gap of that size is closed
-// at once: shares of shares would never end, and nothing would come to rest meanwhile.
-double pushed_way(double overlap) {
-  return std::min(overlap, std::max(kPushShare * overlap, kSurfaceLayerM));
+// at once: shares of shares would never end, and nothing would come to rest meanwhile. A new contact takes
+// the share: a large heap that starts without impulses is hard enough to solve.
+double pushed_way(double overlap, bool is_new) {
+  return is_new ? kPushShare * overlap : std::min(overlap, std::max(kPushShare * overlap, kSurfaceLayerM));
 }
 
 // Depths are only known to rounding. The corners of a face would otherwise ask for motions that contradict
@@ -171,7 +175,8 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       target -= 0.5 * h_ * (touch.frame.transpose() * touch.bias);
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
-      const double way = beyond < 0.0 ? beyond : pushed_way(std::max(0.0, beyond - touch.landed));
+      const double overlap = std::max(0.0, beyond - touch.landed);
+      const double way = beyond < 0.0 ? beyond : pushed_way(overlap, touch.record == TouchEnds::kNew);
       target[0] += std::min(way / h_, apart_ ? 0.0 : kMostPush);
       return;
     }
@@ -323,8 +328,8 @@ double Bounded::solve_rows() {
   try {
     missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
                                        : rows_.solve(kMostSweeps, kEnough, share, rest);
+    if (responses_.empty() && !system_.frozen && rows_.is_still(kNearlyStill * slow)) rows_.polish(kEnough);
     still = responses_.empty() && rows_.is_still(slow);
-    if (still && !system_.frozen) rows_.polish(kEnough);  // the next tick freezes the island as it is
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;

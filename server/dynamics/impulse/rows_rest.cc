@@ -27,7 +27,10 @@ void Rows::polish(double least) {
   const double missed = largest_miss();
   if (missed <= least || has(RowBlock::Kind::kTwist)) return;
   keep(start_);
-  if (!follow_firm_points(least, least) && !(largest_miss() < missed)) put_back(start_);
+  if (follow_firm_points(least, least) || largest_miss() < missed)
+    island_->changed = true;
+  else
+    put_back(start_);
 }
 
 bool Rows::is_still(double limit) const {
