@@ -69,11 +69,13 @@ constexpr double kFrozenShare = 1e-8;
 constexpr double kNearlyStill = 1000.0;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
-// Of an overlap, what is taken out in one step. The last of it goes at once, as a gap of that size is closed
-// at once: shares of shares would never end, and nothing would come to rest meanwhile. A new contact takes
-// the share: a large heap that starts without impulses is hard enough to solve.
-double pushed_way(double overlap, bool is_new) {
-  return is_new ? kPushShare * overlap : std::min(overlap, std::max(kPushShare * overlap, kSurfaceLayerM));
+// Of an overlap, what is taken out in one step: a share. Where bodies stand, the last of it goes at once, as
+// a gap of that size is closed at once: shares of shares would never end, and nothing would come to rest
+// meanwhile. New contacts take the share there, too: a large heap that starts without impulses is hard enough
+// to solve.
+double pushed_way(double overlap, bool at_once) {
+  const double share = kPushShare * overlap;
+  return at_once ? std::min(overlap, std::max(share, kSurfaceLayerM)) : share;
 }
 
 // Depths are only known to rounding. The corners of a face would otherwise ask for motions that contradict
@@ -176,7 +178,8 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
       const double overlap = std::max(0.0, beyond - touch.landed);
-      const double way = beyond < 0.0 ? beyond : pushed_way(overlap, touch.record == TouchEnds::kNew);
+      const bool at_once = !system_.moves && touch.record != TouchEnds::kNew;
+      const double way = beyond < 0.0 ? beyond : pushed_way(overlap, at_once);
       target[0] += std::min(way / h_, apart_ ? 0.0 : kMostPush);
       return;
     }
