@@ -282,12 +282,16 @@ void Rows::move_centres(double beyond) {
   }
 }
 
-double Rows::note_change() {
-  double& largest = island_->largest_change;
+double Rows::largest_change() const {
+  double largest = 0.0;
   for (const RowBlock& block : blocks_)
     for (std::size_t i = 0; i < block.dim; ++i)
       largest = std::max(largest, block.K[i] * std::abs(block.lambda[i]));
   return largest;
+}
+
+double Rows::note_change() {
+  return island_->largest_change = std::max(island_->largest_change, largest_change());
 }
 
 double Rows::solve(int most_sweeps, double least, double share, double rest) {

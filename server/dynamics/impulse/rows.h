@@ -165,8 +165,9 @@ class Rows {
   void find_errors();
   // Lays the contacts of an island without mechanisms side by side. That pays where many passes follow.
   void lay_out_contacts();
-  // Notes the largest change of velocity that any impulse has made to its own row. Returns the island's
-  // largest so far.
+  // The largest change of velocity that any impulse makes to its own row. note_change() notes it, and returns
+  // the island's largest so far.
+  double largest_change() const;
   double note_change();
   // Normal impulse so far, N·s; of a twist that of its contact.
   double pressure(const RowBlock& block) const;

@@ -88,7 +88,7 @@ int Rows::most_soft_passes() const {
 
 bool Rows::follow_soft_points(double missed, double least, double share) {
   const bool alone = responses_.empty(), moves = alone && island_->moves;
-  double enough = std::max(least, share * note_change());
+  double enough = std::max(least, share * std::max(missed, note_change()));
   double left = std::numeric_limits<double>::infinity();
   Softness softness(least_softness());
   bool softened = false, near = false, creeping = false;
@@ -118,13 +118,13 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
                                 .near = point_softness == softness.now(),
                                 .loose = loose,
                                 .hopeless = enough > least ? std::max(goal, kHopeless * enough) : kNever});
-    if (!(miss <= loose * goal)) {
+    // How large the impulses are is known only now.
+    if (!(miss <= loose * std::max(goal, softened ? 0.0 : share * largest_change()))) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;
       continue;
     }
-    // How large the impulses are is known only now.
     enough = std::max(least, share * note_change());
     const double before = std::exchange(left, left_by_softness());
     creeping = creeping || (point_softness == softness.now() && left > kCreeping * before);
