@@ -69,7 +69,7 @@ constexpr double kFrozenShare = 1e-8;
 constexpr double kNearlyStill = 1000.0;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
-// Of an overlap, what is taken out in one step: a share. Where bodies stand, the last of it goes at once, as
+// The part of an overlap that one step takes out: a share. Where bodies stand, the last of it goes at once, as
 // a gap of that size is closed at once: shares of shares would never end, and nothing would come to rest
 // meanwhile. New contacts take the share there, too: a large heap that starts without impulses is hard enough
 // to solve.
@@ -286,34 +286,13 @@ void Bounded::aim() {
   }
 }
 
-// New contacts do not count. An island of which a part has moved has not rested.
-Bounded::Rest Bounded::last_rest() const {
-  Rest rest{true, kStillSteps};
-  bool is_new = true;
-  for (const std::size_t i : plant_.islands.touches(island_)) {
-    const Touch& touch = plant_.touches[i];
-    if (!touch.rested) continue;
-    is_new = false;
-    rest.rested = rest.rested && *touch.rested;
-    rest.still = std::min(rest.still, touch.was_still);
-  }
-  return is_new ? Rest{} : rest;
-}
-
-// A solution may miss more than a slow belt moves: an island on it would be frozen, and never follow.
-bool Bounded::is_dragged() const {
-  return std::ranges::any_of(plant_.islands.touches(island_), [&](std::size_t i) {
-    const Touch& touch = plant_.touches[i];
-    return !touch.foreign.isZero(0.0) || !touch.foreign_turn.isZero(0.0);
-  });
-}
-
 // If the look-ahead changed anything, the end of the step must be solved too. A small rest would otherwise
 // stay, and the next look-ahead would have to change it back.
 double Bounded::solve_rows() {
   load_velocities();
   for (std::size_t k = 0; k < blocks_.size(); ++k) before_[k] = blocks_[k].applied;
-  const double share = moment_ == kHit ? 0.0 : responses_.empty() ? kShare : kMechanismShare;
+  const bool alone = responses_.empty();
+  const double share = moment_ == kHit ? 0.0 : alone ? kShare : kMechanismShare;
   // A tick that stops a body starts the next one with half of that impulse too much. Left alone, this would
   // move the body, be answered, and so on for ever. It therefore has to be solved once more: a body that has
   // moved gets the smaller bound kComesToRest.
@@ -329,10 +308,13 @@ double Bounded::solve_rows() {
   double missed = 0.0;
   bool still = false;
   try {
-    missed = course_->gently || apart_ ? rows_.sweep_gently(kGentleSweeps)
-                                       : rows_.solve(kMostSweeps, kEnough, share, rest);
-    if (responses_.empty() && !system_.frozen && rows_.is_still(kNearlyStill * slow)) rows_.polish(kEnough);
-    still = responses_.empty() && rows_.is_still(slow);
+    if (course_->gently || apart_) {
+      missed = rows_.sweep_gently(kGentleSweeps);
+    } else {
+      missed = rows_.solve(kMostSweeps, kEnough, share, rest);
+      if (alone && !system_.frozen && rows_.is_still(kNearlyStill * slow)) rows_.polish(kEnough);
+    }
+    still = alone && rows_.is_still(slow);
   } catch (const WorkSpent&) {
     report();  // the best that was reached
     throw;
@@ -340,23 +322,6 @@ double Bounded::solve_rows() {
   note_rest(still);
   if (system_.changed) store_velocities();
   return missed;
-}
-
-// An island that stands still rests, though its solutions may miss a little: where that is less than they
-// may, nothing would ever be done about it.
-void Bounded::note_rest(bool still) {
-  if (moment_ == kAhead) {
-    course_->rests = course_->rests && system_.rests;
-    course_->frozen = course_->rests && system_.frozen;
-    course_->still = still;
-  }
-  if (moment_ != kAfter) return;
-  for (const std::size_t i : plant_.islands.touches(island_)) {
-    Touch& touch = plant_.touches[i];
-    touch.still = course_->still && still ? std::min(course_->still_before + 1, kStillSteps) : 0;
-    touch.rested = system_.rests || touch.still > 0;
-    touch.frozen = course_->frozen && system_.frozen;
-  }
 }
 
 void Bounded::start_gently(std::span<const Vector3d> v, std::span<const Vector3d> w) {

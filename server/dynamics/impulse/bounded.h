@@ -165,7 +165,7 @@ class Bounded {
     bool rested = false;
     int still = 0;
   };
-  Rest last_rest() const;
+  Rest last_rest() const;  // bounded_rest.cc
   // Notes what the moment says of rest. `still`: nothing moves.
   void note_rest(bool still);
   std::span<const std::size_t> mechanisms() const { return plant_.islands.mechanisms(island_); }

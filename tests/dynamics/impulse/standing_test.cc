@@ -267,7 +267,7 @@ TEST(Standing, NothingStandsWithOtherKindsOfSteps) {
 // ticks, and ends with the same bits.
 TEST(Standing, ALimitOfWorkIsMetAlike) {
   world::EngineSetting setting = impulse();
-  setting.work_limit = 30'000;
+  setting.work_limit = 40'000;
   ModelBuilder b(setting);
   b.add_ground();
   for (int i = 0; i < 27; ++i)
