@@ -69,8 +69,8 @@ constexpr double kFrozenShare = 1e-8;
 constexpr double kNearlyStill = 1000.0;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 
-// The part of an overlap that one step takes out: a share. Where bodies stand, the last of it goes at once, as
-// a gap of that size is closed at once: shares of shares would never end, and nothing would come to rest
+// The part of an overlap that one step takes out: a share. Where bodies stand, the last of it goes at once,
+// as a gap of that size is closed at once: shares of shares would never end, and nothing would come to rest
 // meanwhile. New contacts take the share there, too: a large heap that starts without impulses is hard enough
 // to solve.
 double pushed_way(double overlap, bool at_once) {
