@@ -71,8 +71,8 @@ constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in 
 
 // The part of an overlap that one step takes out: a share. Where bodies stand, the last of it goes at once,
 // as a gap of that size is closed at once: shares of shares would never end, and nothing would come to rest
-// meanwhile. New contacts take the share there, too: a large heap that starts without impulses is hard enough
-// to solve.
+// meanwhile. Two take the share there, too: new contacts, since a large heap that starts without impulses is
+// hard enough to solve; and high heaps, which would be thrown up.
 double pushed_way(double overlap, bool at_once) {
   const double share = kPushShare * overlap;
   return at_once ? std::min(overlap, std::max(share, kSurfaceLayerM)) : share;
@@ -178,7 +178,7 @@ void Bounded::aim_touch(RowBlock& block, const Touch& touch, double bounce) cons
       // Lets the bodies sink into the layer, or drives them out of an overlap.
       const double beyond = beyond_noise(touch.depth - layer);
       const double overlap = std::max(0.0, beyond - touch.landed);
-      const bool at_once = !system_.moves && touch.record != TouchEnds::kNew;
+      const bool at_once = at_once_ && touch.record != TouchEnds::kNew;
       const double way = beyond < 0.0 ? beyond : pushed_way(overlap, at_once);
       target[0] += std::min(way / h_, apart_ ? 0.0 : kMostPush);
       return;

@@ -98,6 +98,8 @@ class Bounded {
   bool is_calm() const;
   // True if no body without joints moves faster than it would fall in two steps.
   bool stands() const;
+  // True if a contact starts with the load of a high heap on it, or of a heavy body on a light one.
+  bool carries_many() const;
   // Adds the three rows of a contact, and those of its twist.
   void add_touch(std::size_t index);
   // Adds the rows of rolling and torsional friction; comes right after its contact.
@@ -200,7 +202,8 @@ class Bounded {
   std::vector<Share> shares_;
   std::size_t island_ = 0;
   Course* course_ = nullptr;
-  bool apart_ = false;  // takes mechanisms apart, for a limited step
+  bool apart_ = false;    // takes mechanisms apart, for a limited step
+  bool at_once_ = false;  // small overlaps of contacts that are not new go at once
   Moment moment_ = kAhead;
   double h_ = 0.0;
 };

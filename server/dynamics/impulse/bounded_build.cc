@@ -27,6 +27,7 @@ constexpr std::size_t kMostWaySteps = 60;
 // to the end of its point.
 constexpr std::uint64_t kDearShare = 4;
 constexpr double kStandingSteps = 2.0;  // of falling: what moves faster does not stand
+constexpr double kManyLayers = 64.0;    // of a heap: to take all overlaps out at once would throw it up
 constexpr double kCalmM = 1e-5;         // a deeper overlap is a hit whose bodies are still driven apart
 
 // The impulses of the last tick. At the end of a step a stop may take back what it gave at t, and no more.
@@ -78,6 +79,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);
+  at_once_ = !system_.moves && !carries_many();
   let_wedges_yield();
 }
 
@@ -89,6 +91,15 @@ bool Bounded::is_calm() const {
 bool Bounded::stands() const {
   const double fastest = kStandingSteps * plant_.model.gravity.norm() * std::abs(h_);
   return std::ranges::all_of(slotted_, [&](std::size_t i) { return plant_.bodies.v[i].norm() <= fastest; });
+}
+
+// A corner of a cube under so many others starts with an impulse that would change its own velocity by so
+// many times what they fall in a step.
+bool Bounded::carries_many() const {
+  const double most = kManyLayers * plant_.model.gravity.norm() * std::abs(h_);
+  return std::ranges::any_of(blocks_, [&](const RowBlock& block) {
+    return block.kind == RowBlock::Kind::kContact && block.K[0] * block.lambda[0] > most;
+  });
 }
 
 void Bounded::add_rows() {
