@@ -40,7 +40,7 @@ TEST(JointFriction, FiguresThatLieStillTakeLittleWork) {
 }
 
 TEST(JointFriction, FiguresGoOnWithTheSameBitsFromARestoredState) {
-  Lab straight(figure(45)), fresh(figure(45));
+  Lab straight(figure(46)), fresh(figure(46));
   straight.run_ticks(kFallen);
   const auto at_stop = [](const world::Joint& joint, const world::JointState& state) {
     return joint.limited && (state.position <= joint.lower || state.position >= joint.upper);
