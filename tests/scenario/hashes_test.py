@@ -11,9 +11,9 @@ from scenario_runs import run_scenario
 CHANGELOG = MODELS.parent / "CHANGELOG.md"
 TAKE_LONG = {"explorer", "explorer_agent", "explorer_ray"}  # minutes
 
-# "`cart` 11760fa030a893a1 → 6e6ccd8eb565b6fd", "`cart` is 6e6ccd8eb565b6fd now"
+# "`cart` 11760fa030a893a1 → 89f845910054887f", "`cart` is 89f845910054887f now"
 BY_NAME = re.compile(r"`(\w+)` (?:is )?([0-9a-f]{16})(?: → ([0-9a-f]{16}))?")
-# "`server/run cart` drives in circles (state hash 6e6ccd8eb565b6fd)"
+# "`server/run cart` drives in circles (state hash 89f845910054887f)"
 IN_ENTRY = re.compile(r"(?:server/run |models/scenarios/)(\w+)(?:(?!server/run |models/scenarios/).)*?state hash ([0-9a-f]{16})")
 
 
