@@ -67,6 +67,14 @@ BodyId ModelBuilder::add_fixed_box(const std::string& name, const Eigen::Vector3
   return id;
 }
 
+BodyId ModelBuilder::add_kinematic_box(const std::string& name, const Eigen::Vector3d& lengths,
+                                       const Pose& X_WB) {
+  const BodyId id = add_box(name, lengths, 1.0, X_WB);
+  body(id).kinematic = true;
+  body(id).engine = world::kNoEngine;
+  return id;
+}
+
 BodyId ModelBuilder::add_sphere(const std::string& name, double radius, double mass_kg, const Pose& X_WB,
                                 world::SurfaceId surface) {
   const double inertia = 0.4 * mass_kg * radius * radius;

@@ -30,6 +30,8 @@ class ModelBuilder {
                  world::SurfaceId surface = {0});
   BodyId add_fixed_box(const std::string& name, const Eigen::Vector3d& lengths, const Pose& X_WB,
                        world::SurfaceId surface = {0});
+  // A box that the scene moves, and no engine.
+  BodyId add_kinematic_box(const std::string& name, const Eigen::Vector3d& lengths, const Pose& X_WB);
   BodyId add_sphere(const std::string& name, double radius, double mass_kg, const Pose& X_WB,
                     world::SurfaceId surface = {0});
   BodyId add_cylinder(const std::string& name, double radius, double length, double mass_kg,

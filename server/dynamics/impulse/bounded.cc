@@ -64,8 +64,8 @@ constexpr double kComesToRest =
 // little that is missing would otherwise add up, and move it for ever. It must not grow with the island: a
 // light body beneath a heavy one would hold its neighbours.
 constexpr double kFrozenShare = 1e-8;
-// An island that moves by no more than so many times that is solved more exactly: what a solution may miss
-// would keep it moving, and forces that are missing then would be missing from then on.
+// An island that moves by no more than so many times that limit is solved more exactly. What a solution may
+// miss would keep it moving, and what its forces lack when it is frozen, they lack from then on.
 constexpr double kNearlyStill = 1000.0;
 constexpr double kPushShare = 0.2;  // share of an overlap that is taken out in one step
 

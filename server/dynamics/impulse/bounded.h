@@ -15,7 +15,7 @@ struct Course {
   bool rests = true;     // nothing had to be solved
   bool frozen = false;   // and the island stood still
   bool still = false;    // solved or not, it stood still
-  int still_before = 0;  // so had it, for so many steps before this one
+  int still_before = 0;  // for how many steps before this one it had stood still
   bool gently = false;   // solves by a few softened sweeps
 };
 
@@ -161,11 +161,10 @@ class Bounded {
   void keep_energy();
   // Work of a block's impulses on its bodies during a hit, J; 0 where it is no more than rounding.
   double work(std::size_t block) const;
-  // At the end of the last tick: it needed no change of the contacts' impulses, or the island was still; for
-  // how many ticks it was still.
+  // How the last tick has left the island.
   struct Rest {
-    bool rested = false;
-    int still = 0;
+    bool rested = false;  // no impulse of a contact had to change, or next to nothing moved
+    int still = 0;        // for how many ticks next to nothing had moved
   };
   Rest last_rest() const;  // bounded_rest.cc
   // Notes what the moment says of rest. `still`: nothing moves.

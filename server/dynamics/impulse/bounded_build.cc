@@ -79,7 +79,7 @@ void Bounded::build(std::size_t island, Moment moment, double h, Course& course)
   if (!responses_.empty()) connect_responses();
   before_.resize(blocks_.size());
   rows_.prepare(system_);
-  at_once_ = !system_.moves && !carries_many();
+  at_once_ = moment == kAhead && !system_.moves && !carries_many();
   let_wedges_yield();
 }
 
@@ -93,8 +93,8 @@ bool Bounded::stands() const {
   return std::ranges::all_of(slotted_, [&](std::size_t i) { return plant_.bodies.v[i].norm() <= fastest; });
 }
 
-// A corner of a cube under so many others starts with an impulse that would change its own velocity by so
-// many times what they fall in a step.
+// Under n cubes, the impulse at a cube's corner alone would change that corner's velocity by about n times
+// what a body falls in a step.
 bool Bounded::carries_many() const {
   const double most = kManyLayers * plant_.model.gravity.norm() * std::abs(h_);
   return std::ranges::any_of(blocks_, [&](const RowBlock& block) {

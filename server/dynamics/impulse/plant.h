@@ -121,7 +121,7 @@ struct Touch : TouchEnds {
   bool yields = false;    // one of the two bodies moves by another engine
   bool foreseen = false;  // there is a gap yet, so it takes part in the look-ahead alone
   bool frozen = false;    // its island stood still in this step, with the impulses of the last tick
-  int still = 0;          // so many steps next to nothing moved in its island; kStillSteps: or more
+  int still = 0;          // for how many steps next to nothing has moved in its island; up to kStillSteps
   bool wedged = false;    // in this step: it yields, since nothing that the joints allow opens it
   double depth = 0.0, friction = 0.0, restitution = 0.0;
   double landed = 0.0;  // m, of the depth: left alone, since the bodies have landed so (note_landings())
@@ -147,7 +147,7 @@ inline Vector3d thrown_up(const Vector3d& gravity, double h) {
 // Overlap that is left alone, m. A contact at rest then exists in every tick.
 inline constexpr double kSurfaceLayerM = 5e-7;
 
-// An island that was still for so many steps may be frozen: the first of them may have stopped it, by forces
+// An island must be still for so many steps to be frozen. The first of them may have stopped it, with forces
 // that it does not need to stand.
 inline constexpr int kStillSteps = 2;
 

@@ -119,7 +119,8 @@ bool Rows::follow_soft_points(double missed, double least, double share) {
                                 .loose = loose,
                                 .hopeless = enough > least ? std::max(goal, kHopeless * enough) : kNever});
     // How large the impulses are is known only now.
-    if (!(miss <= loose * std::max(goal, softened ? 0.0 : share * largest_change()))) {
+    const bool found = miss <= loose * goal || (!softened && miss <= loose * share * largest_change());
+    if (!found) {
       put_back(start_);
       ++failures;
       if (!softness.note_missing()) break;

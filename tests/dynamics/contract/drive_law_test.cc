@@ -180,9 +180,7 @@ TEST_P(DriveLaw, WhatAKinematicBodyPushesGivesWay) {
   for (const bool friction : {true, false}) {
     auto b = builder();
     b.model.gravity.setZero();
-    const BodyId pusher = b.add_box("pusher", {0.1, 0.1, 0.1}, 1.0, at(-0.11, 0, 0));
-    b.body(pusher).kinematic = true;
-    b.body(pusher).engine = -1;
+    const BodyId pusher = b.add_kinematic_box("pusher", {0.1, 0.1, 0.1}, at(-0.11, 0, 0));
     b.body(pusher).v_WB = {0.2, 0, 0};
     const BodyId drawer = b.add_box("drawer", {0.1, 0.1, 0.1}, 1.0, at(0, 0, 0));
     auto& rail = b.add_joint("drawer", world::JointKind::kSlider, {}, drawer, {0, 0, 0}, {1, 0, 0});

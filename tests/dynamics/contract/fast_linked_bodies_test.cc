@@ -371,9 +371,7 @@ TEST_P(FastLinkedBodies, AMeshStopsABallOnARail) {
 TEST_P(FastLinkedBodies, AKinematicBodyPushesOneOnARail) {
   auto b = builder();
   b.model.gravity.setZero();
-  const BodyId sheet = b.add_box("sheet", {kSheetM, 1, 1}, 1.0, at(-1.02, 0, 0));
-  b.body(sheet).kinematic = true;
-  b.body(sheet).engine = -1;
+  const BodyId sheet = b.add_kinematic_box("sheet", {kSheetM, 1, 1}, at(-1.02, 0, 0));
   b.body(sheet).v_WB = {60.0, 0, 0};
   const BodyId ball = b.add_sphere("ball", kRadiusM, kBallKg, at(0, 0, 0));
   b.add_joint("rail", world::JointKind::kSlider, {}, ball, {0, 0, 0}, {1, 0, 0});

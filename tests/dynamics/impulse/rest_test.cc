@@ -121,10 +121,7 @@ TEST(Rest, ASmallForceIsEnoughForATonneOnALightShim) {
 // A belt drags what stands on it, however slowly it moves, and whatever a solution may miss there.
 TEST(Rest, ATonneOnALightShimFollowsASlowBelt) {
   ModelBuilder b(impulse());
-  const BodyId belt = b.add_fixed_box("belt", {4, 4, 0.1}, at(0, 0, -0.05));
-  b.body(belt).fixed = false;
-  b.body(belt).kinematic = true;
-  b.body(belt).engine = -1;
+  b.add_kinematic_box("belt", {4, 4, 0.1}, at(0, 0, -0.05));
   b.add_box("shim", {0.2, 0.2, 0.2}, 0.1, at(0, 0, 0.1 - physics::kTouch));
   b.add_box("load", {0.2, 0.2, 0.2}, 1000.0, at(0, 0, 0.3 - 2.0 * physics::kTouch));
   Lab lab(b.model);

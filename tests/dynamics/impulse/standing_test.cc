@@ -239,10 +239,7 @@ TEST(Standing, WhatStandsGivesItsMomentToo) {
 // The plate may begin to move, and its speed is no part of the contact.
 TEST(Standing, NothingStandsOnWhatTheSceneMoves) {
   ModelBuilder b(impulse());
-  const BodyId plate = b.add_fixed_box("plate", {1, 1, 0.1}, at(0, 0, -0.05));
-  b.body(plate).fixed = false;
-  b.body(plate).kinematic = true;
-  b.body(plate).engine = -1;
+  b.add_kinematic_box("plate", {1, 1, 0.1}, at(0, 0, -0.05));
   b.add_box("box", {0.2, 0.2, 0.2}, 1.0, at(0, 0, 0.1 - physics::kTouch));
   Lab lab(b.model), fresh(b.model);
   for (int tick = 0; tick < 400; ++tick) {

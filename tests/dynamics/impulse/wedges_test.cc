@@ -200,9 +200,7 @@ TEST(Wedges, FingersThatCloseOnAThingAreNone) {
 world::WorldModel ball_on_turntable() {
   ModelBuilder b = rubbing(1e-3);
   b.model.surfaces[0].torsional_friction = 0.05;
-  const BodyId table = b.add_box("table", {0.4, 0.4, 0.1}, 1.0, at(0.0, 0.0, 0.05));
-  b.body(table).kinematic = true;
-  b.body(table).engine = world::kNoEngine;
+  const BodyId table = b.add_kinematic_box("table", {0.4, 0.4, 0.1}, at(0.0, 0.0, 0.05));
   b.body(table).w_WB = Vector3d(0.0, 0.0, 50.0);
   const BodyId quill = b.add_rotor("quill", 0.2, 1e-3, at(0.0, 0.0, 0.3));
   const BodyId ball = b.add_sphere("ball", 0.05, 0.5, at(0.0, 0.0, 0.15));

@@ -273,7 +273,7 @@ TEST(WorkLimit, APileNearItTakesInexactAnswersFirst) {
   EXPECT_LT(limited, inexact);
 }
 
-// It has 10,000 contacts, and its first tick needs 80 million units: more than a small scene may take.
+// It has 10,000 contacts, and its first tick needs 51 million units: more than a small scene may take.
 TEST(WorkLimit, AWallOfMoreThanAThousandBricksStaysWithinIt) {
   Lab lab(physics::falling_wall(impulse(0), 1e-3, 36));
   for (int tick = 0; tick < 3; ++tick) {
